@@ -533,6 +533,7 @@ impl<P> Stage<'_, P> {
             rays: Rays {
                 directions,
                 origins: (!rays.origins.is_empty()).then_some(&rays.origins),
+                moments: &[],
                 left: &[],
                 method: scene.method,
                 ratios,

@@ -277,8 +277,9 @@ struct Profiles {
     evens: Eighths,
     /// The fraction of the way of stars to their places on the next level.
     ways: Eighths,
-    /// The gradient of 1/W along the motion, times W, and W²/4.
+    /// The gradient of 1/W along the motion, times W, or by component for rays that have their own; and W²/4.
     slopes: Eighths,
+    own_slopes: [Eighths; 3],
     quarters: Eighths,
     /// The middle of each eighth of the rays, and the distance of the farthest from there.
     middles: [Lanes; 3],
@@ -288,14 +289,31 @@ struct Profiles {
 impl Profiles {
     /// L/E along the ray in a lane of an eighth, of a star at `middle`, and W_d/W_s.
     #[inline(always)]
-    fn density(&self, eighth: usize, lane: usize, n: DVec3, middle: DVec3) -> [f64; 2] {
+    fn density<const OWN: bool>(
+        &self,
+        eighth: usize,
+        lane: usize,
+        n: DVec3,
+        middle: DVec3,
+    ) -> [f64; 2] {
         let [x, y, z] = &self.directions;
         let d = DVec3::new(x[eighth][lane], y[eighth][lane], z[eighth][lane]);
         let quarter = self.quarters[eighth][lane];
         // W_d/W_s, and c² = c_world² W_d W_s of the chord c in the camera's frame, all over W_d²: sin² θ = c² (1 − c²/4), in front if
         // c² < 2.
         let away = middle - d;
-        let ratio = 1.0 + self.slopes[eighth][lane] * away.dot(n);
+        let change = match OWN {
+            true => {
+                let [x, y, z] = &self.own_slopes;
+                away.dot(DVec3::new(
+                    x[eighth][lane],
+                    y[eighth][lane],
+                    z[eighth][lane],
+                ))
+            }
+            false => self.slopes[eighth][lane] * away.dot(n),
+        };
+        let ratio = 1.0 + change;
         let chord = away.length_squared() / ratio;
         let left = self.squares[eighth][lane] - chord * (1.0 - quarter * chord);
         let part = left * self.inverses[eighth][lane];
@@ -310,8 +328,8 @@ impl Profiles {
     }
 }
 
-/// Computes the profiles of discs whose radius has this `sine`, for rays on a level up to `most`.
-struct Widen<'a> {
+/// Computes the profiles of discs whose radius has this `sine`, for rays on a level up to `most`, which have their `OWN` motions or share one.
+struct Widen<'a, const OWN: bool> {
     rays: Rays<'a>,
     /// sin ρ, and how sin² R decreases with its square and increases with the width of pixels, as at the head of `stars`.
     widths: (f64, f64, f64),
@@ -319,13 +337,13 @@ struct Widen<'a> {
     to: &'a mut Profiles,
 }
 
-impl VectorLoop for Widen<'_> {
+impl<const OWN: bool> VectorLoop for Widen<'_, OWN> {
     #[inline(always)]
     fn run(self) {
         let Widen { rays, to, .. } = self;
         let (sine, less, reach) = self.widths;
         let (square_of_sine, twice) = (sine * sine, 2.0 / self.most);
-        let (count, motion) = (rays.len(), rays.beaming.motion);
+        let (count, shared) = (rays.len(), rays.beaming.motion);
         for eighth in 0..count.div_ceil(LANES).min(EIGHTHS) {
             let [x, y, z, ratios] = [rays.axes[0], rays.axes[1], rays.axes[2], rays.ratios]
                 .map(|column| lanes(column, eighth * LANES));
@@ -343,10 +361,23 @@ impl VectorLoop for Widen<'_> {
                 let way = twice * square.sqrt() - 1.0;
                 to.ways[eighth][lane] = if way > 0.0 { way } else { 0.0 };
                 let d = DVec3::new(x[lane], y[lane], z[lane]);
+                let motion = if OWN {
+                    rays.motion(eighth * LANES + lane)
+                } else {
+                    shared
+                };
                 let ratio = 1.0 / motion.inverse_ratio(d);
-                // A camera that accelerates during its exposure may have another motion then: no change of W is known.
+                // An element of a turning sensor may have another motion: no change of W is known.
                 let is_own = (ratios[lane] > 0.5 * ratio) & (ratios[lane] < 2.0 * ratio);
-                to.slopes[eighth][lane] = if is_own { motion.sinh * ratio } else { 0.0 };
+                let slope = if is_own { motion.sinh * ratio } else { 0.0 };
+                match OWN {
+                    true => {
+                        for (to, n) in to.own_slopes.iter_mut().zip(motion.n.to_array()) {
+                            to[eighth][lane] = slope * n;
+                        }
+                    }
+                    false => to.slopes[eighth][lane] = slope,
+                }
                 to.quarters[eighth][lane] = 0.25 * ratio * ratio;
             }
             let mut squares = [0.0; LANES];
@@ -395,7 +426,7 @@ fn lanes(column: &[f64], begin: usize) -> Lanes {
 }
 
 /// L/E of a place for the rays of some eighths of a block, W_d/W_s for each, and a bit mask of the eighths in which any L is above 0.
-struct Densities<'a> {
+struct Densities<'a, const OWN: bool> {
     profiles: &'a Profiles,
     n: DVec3,
     place: &'a Place,
@@ -407,7 +438,7 @@ struct Densities<'a> {
     eighths: &'a mut u64,
 }
 
-impl VectorLoop for Densities<'_> {
+impl<const OWN: bool> VectorLoop for Densities<'_, OWN> {
     #[inline(always)]
     fn run(self) {
         let (profiles, n) = (self.profiles, self.n);
@@ -420,13 +451,15 @@ impl VectorLoop for Densities<'_> {
                 None => {
                     for lane in 0..LANES {
                         let middle = self.place.direction;
-                        [densities[lane], ratios[lane]] = profiles.density(eighth, lane, n, middle);
+                        [densities[lane], ratios[lane]] =
+                            profiles.density::<OWN>(eighth, lane, n, middle);
                     }
                 }
                 Some(merged) => {
                     for lane in 0..LANES {
                         let middle = self.place.towards(merged, profiles.ways[eighth][lane]);
-                        [densities[lane], ratios[lane]] = profiles.density(eighth, lane, n, middle);
+                        [densities[lane], ratios[lane]] =
+                            profiles.density::<OWN>(eighth, lane, n, middle);
                     }
                 }
             }
@@ -444,6 +477,8 @@ impl VectorLoop for Densities<'_> {
 #[derive(Debug)]
 pub(super) struct Tally {
     beaming: Beaming,
+    /// Whether rays have their own motions.
+    own: bool,
     profiles: Box<Profiles>,
     densities: Eighths,
     ratios: Eighths,
@@ -465,6 +500,7 @@ impl Default for Tally {
     fn default() -> Self {
         Tally {
             beaming: Beaming::REST,
+            own: false,
             profiles: Box::default(),
             densities: Eighths::default(),
             ratios: Eighths::default(),
@@ -491,7 +527,15 @@ impl Tally {
     ) {
         (self.some, self.many) = (0, 0);
         (self.beaming, self.distance, self.left) = (rays.beaming, distance, left);
-        dispatch(Widen {
+        self.own = !rays.motions.is_empty();
+        match self.own {
+            true => self.widen::<true>(rays, widths, most),
+            false => self.widen::<false>(rays, widths, most),
+        }
+    }
+
+    fn widen<const OWN: bool>(&mut self, rays: Rays, widths: (f64, f64, f64), most: f64) {
+        dispatch(Widen::<OWN> {
             rays,
             widths,
             most,
@@ -525,9 +569,15 @@ impl Tally {
         }
     }
 
-    fn add_place(&mut self, level: &Level, near: u64, place: &Place, merged: Option<&Place>) {
+    /// Sets the densities and ratios of a place for the eighths `near`; returns those in which it is seen.
+    fn densities_of<const OWN: bool>(
+        &mut self,
+        near: u64,
+        place: &Place,
+        merged: Option<&Place>,
+    ) -> u64 {
         let mut eighths = 0;
-        dispatch(Densities {
+        dispatch(Densities::<OWN> {
             profiles: &self.profiles,
             n: self.beaming.motion.n,
             place,
@@ -537,6 +587,14 @@ impl Tally {
             ratios: &mut self.ratios,
             eighths: &mut eighths,
         });
+        eighths
+    }
+
+    fn add_place(&mut self, level: &Level, near: u64, place: &Place, merged: Option<&Place>) {
+        let mut eighths = match self.own {
+            true => self.densities_of::<true>(near, place, merged),
+            false => self.densities_of::<false>(near, place, merged),
+        };
         while eighths != 0 {
             let eighth = eighths.trailing_zeros() as usize % EIGHTHS;
             eighths &= eighths - 1;

@@ -31,7 +31,7 @@ pub use boosted::{BoostedSky, FromSky, SkySample};
 pub use catalogue::stars;
 pub use grid::LightGrid;
 pub use panorama::Panorama;
-pub use star::{Beaming, Motion, Star};
+pub use star::{Beaming, Motion, Motions, Star};
 pub use stars::StarMap;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
@@ -84,6 +84,8 @@ pub(crate) struct PixelAngles<'a> {
     pub ratios: &'a [f64],
     /// How stars are seen.
     pub beaming: Beaming,
+    /// The observer's motion by direction, if it is not always that of `beaming`.
+    pub motions: &'a [Motion],
 }
 
 /// Look directions of some rays in the world.
@@ -173,6 +175,11 @@ impl Sky {
             Background::Uniform(_) | Background::Image(_)
         );
         !is_plain || self.stars.is_some()
+    }
+
+    /// Whether it has stars.
+    pub(crate) fn has_stars(&self) -> bool {
+        self.stars.is_some()
     }
 
     /// Whether [`Sky::spectral`] adds to the radiance.

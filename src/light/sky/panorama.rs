@@ -640,6 +640,7 @@ mod tests {
             pixel: 0.7,
             ratios: &ratios,
             beaming: Beaming::REST,
+            motions: &[],
         };
         // Rays in a row, and in another order.
         let count = all.len() as u32;

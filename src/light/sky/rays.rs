@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::star::Beaming;
+use super::star::{Beaming, Motion};
 use crate::accel::vectors::{VectorLoop, dispatch};
 
 /// The number of rays processed together when a block does not look into one part of a face.
@@ -17,6 +17,8 @@ pub(super) struct Rays<'a> {
     /// The width of pixels at W = 1.
     pub pixel: f64,
     pub beaming: Beaming,
+    /// The motion of each ray's observer; empty if all have that of `beaming`.
+    pub motions: &'a [Motion],
 }
 
 impl<'a> Rays<'a> {
@@ -33,12 +35,33 @@ impl<'a> Rays<'a> {
         DVec3::new(x[k], y[k], z[k])
     }
 
+    /// The motion of the observer of ray `k`; past the end that of the last.
+    #[inline(always)]
+    pub fn motion(self, k: usize) -> Motion {
+        let own = self.motions.get(k).or(self.motions.last());
+        own.copied().unwrap_or(self.beaming.motion)
+    }
+
+    /// sinh φ and γ of the fastest observer.
+    #[inline]
+    pub fn fastest(self) -> [f64; 2] {
+        let of = |motion: &Motion| [motion.sinh, motion.gamma];
+        let faster = |[sinh, gamma]: [f64; 2], motion: &Motion| {
+            [sinh.max(motion.sinh), gamma.max(motion.gamma)]
+        };
+        match self.motions {
+            [] => of(&self.beaming.motion),
+            own => own.iter().fold([0.0, 1.0], faster),
+        }
+    }
+
     /// The rays of a range.
     #[inline]
     pub fn part(self, begin: usize, end: usize) -> Rays<'a> {
         Rays {
             axes: self.axes.map(|axis| &axis[begin..end]),
             ratios: &self.ratios[begin..end],
+            motions: self.motions.get(begin..end).unwrap_or(&[]),
             ..self
         }
     }

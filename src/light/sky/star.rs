@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use crate::colour::blackbody_colour;
-use crate::spacetime::{Boost, CameraFrame, World};
+use crate::spacetime::worldline::WorldLine;
+use crate::spacetime::{Boost, CameraFrame, Velocity, World};
 
 /// A star.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +89,10 @@ impl Motion {
     /// That of a camera.
     pub fn of(world_from_camera: &Boost<World, CameraFrame>) -> Motion {
         let (n, rapidity) = world_from_camera.motion();
+        Motion::towards(n, rapidity)
+    }
+
+    fn towards(n: DVec3, rapidity: f64) -> Motion {
         Motion {
             n,
             down: libm::exp(-rapidity),
@@ -109,6 +114,33 @@ impl Motion {
         let (y, gamma) = (inverse, self.gamma);
         let slope = (2.0 * gamma * y - 1.0 - y * y).max(0.0).sqrt();
         (slope * size + 0.5 * (gamma - y).abs() * size * size) / y
+    }
+}
+
+/// The motion of a camera that accelerates while its shutter is open.
+#[derive(Debug, Clone)]
+pub struct Motions {
+    /// Its world line.
+    pub line: WorldLine,
+    /// Its proper time when the shutter opens.
+    pub time: f64,
+    /// Proper time from then until it closes.
+    pub duration: f64,
+}
+
+impl Motions {
+    /// The motion at this moment of the exposure, 0 to 1; rest where the world line does not extend, and no ray sees anything.
+    pub fn at(&self, moment: f64) -> Motion {
+        let place = self.line.place(self.time + moment * self.duration);
+        place.map_or(Motion::REST, |(_, velocity)| Motion::from(velocity))
+    }
+}
+
+impl From<Velocity> for Motion {
+    fn from(velocity: Velocity) -> Motion {
+        let rapidity = velocity.rapidity();
+        let n = rapidity.try_normalize();
+        n.map_or(Motion::REST, |n| Motion::towards(n, rapidity.length()))
     }
 }
 

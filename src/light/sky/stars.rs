@@ -40,8 +40,8 @@
 //! an error of (½)²/24 = 1 %. This bounds the sizes of levels and the times of look-ups however many stars a pixel sees.
 //!
 //! A pixel across which W changes by more than half, or that sees more than 30° of the world (few do in any picture), takes from all levels
-//! the coarsest squares across which W changes by a tenth at most. A camera whose velocity changes during the exposure is taken to have
-//! that of its start, unless W differs from that twofold: then W_s = W_d.
+//! the coarsest squares across which W changes by a tenth at most. If the camera's velocity changes during the exposure, each ray has that
+//! of its own moment. The elements of a turning sensor are taken to have the camera's, unless W differs from that twofold: then W_s = W_d.
 //!
 //! Rays come in blocks, most of which look into one small part of a face: the candidates there are found once for the whole block, and each
 //! disc is tested against the rays of each eighth of it that comes near, in vector loops.
@@ -237,6 +237,7 @@ impl StarMap {
             ratios: angles.ratios,
             pixel: angles.pixel,
             beaming: angles.beaming,
+            motions: angles.motions,
         };
         let mut tally = Tally::default();
         let mut begin = 0;
@@ -299,7 +300,7 @@ impl StarMap {
         });
         let Some(distance) = distance else {
             if rays.len() == 1 {
-                let cap = Cap::new(rays.get(0), rays.ratios[0], reaches[0], rays.beaming.motion);
+                let cap = Cap::new(rays.get(0), rays.ratios[0], reaches[0], rays.motion(0));
                 let seen = self.in_cap(&cap, rays.beaming, |star| light(0, star));
                 if seen != [0.0; 3] {
                     each(0, seen);
@@ -474,11 +475,11 @@ impl StarMap {
 ///
 /// C² > c² W_d W_s, and over c 1/W grows by its gradient and curvature at most ([`Motion`]): with r = C/W_d, c² < r² (1 + g c + k c²).
 fn distance(rays: &Rays, [least, greatest]: [f64; 2], reach: f64) -> Option<f64> {
-    let (motion, point) = (rays.beaming.motion, CHORD * REACH * rays.pixel);
+    let ([sinh, gamma], point) = (rays.fastest(), CHORD * REACH * rays.pixel);
     let (mut steep, mut bent) = (0.0, 0.0);
-    if motion.sinh > 0.0 {
+    if sinh > 0.0 {
         // r² g² and r² k, where they are largest for 1/W in this range.
-        let (square, gamma) = (point * point, motion.gamma);
+        let square = point * point;
         let at = |y: f64| y.max(1.0 / greatest).min(1.0 / least);
         let (y, x) = (at(gamma), at(0.5 * gamma));
         steep = (square * (2.0 * gamma * y - 1.0 - y * y)).max(0.0);

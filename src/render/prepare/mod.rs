@@ -216,8 +216,12 @@ impl Prepared {
     pub fn retake(&mut self, scene: &Scene) -> Result<()> {
         self.camera = Camera::new(scene)?;
         self.integrated_exposure = scene.camera.integrated_exposure();
-        if let Background::Sky { beaming, .. } = &mut self.background {
+        if let Background::Sky {
+            beaming, motions, ..
+        } = &mut self.background
+        {
             beaming.motion = sky::motion(scene, &self.camera.shot);
+            *motions = sky::motions(scene);
         }
         Ok(())
     }

@@ -11,7 +11,9 @@ use crate::io::budget::Budget;
 use crate::io::files;
 use crate::io::image::{exr, hdr, panorama};
 use crate::io::spectrum::text_of;
-use crate::light::sky::{Beaming, BoostedSky, LightGrid, Motion, Panorama, Sky, StarMap, stars};
+use crate::light::sky::{
+    Beaming, BoostedSky, LightGrid, Motion, Motions, Panorama, Sky, StarMap, stars,
+};
 use crate::render::plan::Plan;
 use crate::render::trace::{Background, RestFrame, SkyLight};
 use crate::scene::model::{self, Catalogue, ProjectionKind, Scene, SkyRadiance};
@@ -89,6 +91,7 @@ pub(super) fn background(scene: &Scene, shot: &Shot, sky: Option<Arc<Sky>>) -> B
             channels,
             shifted: spectra.shifted,
         },
+        motions: motions(scene),
         angle: camera.horizontal_fov / across,
         pixel: of_frame / f64::from(camera.size[0]),
     }
@@ -100,6 +103,20 @@ pub(super) fn motion(scene: &Scene, shot: &Shot) -> Motion {
         true => Motion::of(shot.frame.world_from_frame()),
         false => Motion::REST,
     }
+}
+
+/// The same by the moment of the exposure, if it changes.
+pub(super) fn motions(scene: &Scene) -> Option<Motions> {
+    let camera = &scene.camera;
+    let duration = camera.shutter?.duration;
+    let changes = camera.motion != model::Motion::Inertial && scene.effects.aberration;
+    // The world line was checked when the scene was resolved.
+    let line = camera.world_line().ok().filter(|_| changes)?;
+    Some(Motions {
+        line,
+        time: camera.time,
+        duration,
+    })
 }
 
 /// The sky as a light of the surfaces of `frames`.

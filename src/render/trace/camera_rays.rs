@@ -44,6 +44,8 @@ pub struct Rays<'a> {
     pub origins: Option<&'a [RayOrigin]>,
     /// W for a source at rest in the world, as each ray's observer sees it: the camera, or the frame of a surface.
     pub ratios: &'a [f64],
+    /// The moment within the exposure of each ray, 0 to 1; empty if there is one for all, or none is known.
+    pub moments: &'a [f64],
     /// The wavelengths that each ray's observer samples; empty if there are none, or if samples choose them.
     pub wavelengths: &'a [Wavelengths],
     /// The triangle that each ray leaves, and cannot hit again; empty if the rays leave no triangles.
@@ -61,6 +63,7 @@ impl<'a> Rays<'a> {
             directions,
             origins: None,
             ratios: &[],
+            moments: &[],
             wavelengths: &[],
             left: &[],
             method,
@@ -234,6 +237,7 @@ impl CameraRays {
             directions: &self.directions,
             origins: (!self.origins.is_empty()).then_some(&self.origins),
             ratios: &self.ratios,
+            moments: &self.moments,
             wavelengths: &[],
             left: &[],
             method,

@@ -47,6 +47,7 @@ impl Level {
             directions: &self.directions,
             origins: Some(&self.origins),
             ratios: &self.ratios,
+            moments: &[],
             wavelengths: &self.wavelengths,
             left: &self.left,
             method: before.rays.method,

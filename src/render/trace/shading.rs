@@ -11,7 +11,7 @@ use super::stats::{Counter, Meter, Stage};
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
 use crate::colour::{self, RgbShift, per_wavelength_power};
-use crate::light::sky::{Beaming, LookDirections, PixelAngles, Sky, Star};
+use crate::light::sky::{Beaming, LookDirections, Motion, Motions, PixelAngles, Sky, Star};
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
@@ -93,6 +93,8 @@ pub enum Background {
         pixel: f64,
         /// How the observer sees stars.
         beaming: Beaming,
+        /// The observer's motion by the moment of the exposure, if it changes.
+        motions: Option<Motions>,
     },
 }
 
@@ -144,8 +146,9 @@ pub struct Shading {
     /// W of each point of a run, and the factors on their radiance.
     ratios: Vec<f64>,
     factors: Vec<f64>,
-    /// Look directions in the world of rays that hit nothing.
+    /// Look directions in the world of rays that hit nothing, and their observers' motions, if these differ.
     directions: Columns,
+    motions: Vec<Motion>,
 }
 
 /// Consecutive rays in `lit` that hit one patch of one frame.
@@ -272,6 +275,7 @@ impl Shading {
             angle,
             pixel,
             beaming,
+            motions,
         } = background
         else {
             return;
@@ -281,12 +285,19 @@ impl Shading {
         if sky.takes_columns() {
             take_directions(escaped, traced, &mut self.directions);
         }
+        self.motions.clear();
+        if let (Some(motions), [_, ..], true) = (motions, traced.rays.moments, sky.has_stars()) {
+            let moments = escaped.iter().map(|ray| traced.rays.moments[*ray as usize]);
+            self.motions
+                .extend(moments.map(|moment| motions.at(moment)));
+        }
         // In the world, a pixel's angle is 1/W as wide.
         let pixels = PixelAngles {
             angle: *angle,
             pixel: *pixel,
             ratios: &[],
             beaming: *beaming,
+            motions: &self.motions,
         };
         // There may be nothing to see between stars.
         let only_stars = sky.only_stars();

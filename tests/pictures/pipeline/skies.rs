@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use nullray::colour::{colour_matching, rgb_from_xyz};
 use nullray::io::image::{Channel, Layers, Samples, exr};
+use nullray::render::plan::Request;
 use nullray::scene::model::Scene;
 
 use crate::pipeline::lorentz;
@@ -253,6 +254,52 @@ fn stars_that_are_smaller_than_pixels_keep_their_light_and_none_is_missed() {
 }
 
 /// The total is ∫ L′ dω′ = Σ W^(2−p) E, or W² times the colour at T/W, with W of each star: however much of the sky a pixel sees.
+/// Pixels of 15° see stars whose W differs much from their own. An exposure is the mean of pictures at its moments; stars with W of its
+/// start are off by 2 to 4 %.
+#[test]
+fn an_exposure_of_a_camera_that_accelerates_shows_the_mean_of_the_stars_at_its_moments() {
+    let moments = 8;
+    for quantity in ["integrated", "rgb"] {
+        let seen = |samples: u32, keys: &str| {
+            let scene = stage::scene(&format!(
+                "
+[camera]
+eye = [0, 0, 0]
+look_at = [0, 0, -1]
+projection = \"equirectangular\"
+size = [24, 12]
+velocity = {{ beta = [0.4, 0, 0] }}
+{keys}
+[camera.motion.acceleration]
+proper = \"0.8 /m\"
+direction = [0, 0, -1]
+[radiance]
+quantity = \"{quantity}\"
+[display]
+samples_per_pixel = {samples}
+[sky]
+stars = {{ count = 300 }}
+"
+            ));
+            let film = stage::rendered(&scene, &Request::default()).unwrap();
+            film.radiance().to_vec()
+        };
+        let exposed = seen(64 * moments, "shutter = { duration = \"0.6 m\" }");
+        let mut mean = vec![[0.0; 3]; exposed.len()];
+        for k in 0..moments {
+            let time = 0.6 * (f64::from(k) + 0.5) / f64::from(moments);
+            let at_moment = seen(64, &format!("time = \"{time} m\""));
+            for (mean, rgb) in mean.iter_mut().zip(at_moment) {
+                *mean = std::array::from_fn(|c| mean[c] + rgb[c] / f64::from(moments));
+            }
+        }
+        let all: f64 = mean.iter().flatten().sum();
+        let pairs = exposed.iter().flatten().zip(mean.iter().flatten());
+        let off = pairs.map(|(a, b)| (a - b).abs()).sum::<f64>() / all;
+        assert!(off < 0.01, "{quantity}: {off}");
+    }
+}
+
 #[test]
 fn all_stars_together_keep_their_light_at_any_speed_in_pixels_of_any_width() {
     let folder = tempfile::tempdir().unwrap();

@@ -247,6 +247,67 @@ fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
     );
 }
 
+#[test]
+fn a_camera_of_the_file_turns_with_its_node_from_picture_to_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = animated(folder.path());
+    // A camera on the tip and one on the arm, which turn from −z to −x within a second.
+    let text = std::fs::read_to_string(&path).unwrap();
+    let camera = "\"cameras\": [{ \"type\": \"perspective\", \"perspective\": { \"yfov\": 1, \"znear\": 1 } }], \"nodes\"";
+    let text = text.replacen("\"nodes\"", camera, 1);
+    let text = ["arm", "tip"].iter().fold(text, |text, name| {
+        let name = format!("\"name\": \"{name}\"");
+        text.replace(&name, &format!("{name}, \"camera\": 0"))
+    });
+    std::fs::write(&path, text).unwrap();
+    let scene = |node: &str, keys: &str, time: f64| {
+        let text = format!(
+            "speed_of_light = \"4 m/s\"\n[camera]\n{keys}\n\
+             motion.animation = {{ gltf = \"animated.gltf\", node = \"{node}\", name = \"turn\" }}\n\
+             [[object]]\nshape = {{ sphere = {{ radius = 1 }} }}\n"
+        );
+        let overrides = Overrides {
+            time: Some(format!("{time} m")),
+            ..Overrides::default()
+        };
+        scene::parse(&text, "test scene", folder.path(), &overrides).unwrap()
+    };
+    for node in ["arm", "tip"] {
+        // Before the first key, between keys, and after the last.
+        for time in [-1.0, 0.0, 0.7, 2.0, 9.0] {
+            let followed = scene(
+                node,
+                &format!("gltf = \"animated.gltf\"\nnode = \"{node}\""),
+                time,
+            );
+            let camera = &followed.camera;
+            let shot = camera.world_line().unwrap().state(time).unwrap().event;
+            let angle = (shot.ct / 4.0).clamp(0.0, 1.0) * std::f64::consts::FRAC_PI_2;
+            let forward = DVec3::new(-angle.sin(), 0.0, -angle.cos());
+            let [right, up, ahead] = camera.axes;
+            assert!((ahead - forward).length() < 1e-6, "{node}, {time}: {ahead}");
+            assert!((up - DVec3::Y).length() < 1e-6, "{node}, {time}: {up}");
+            assert!((right - forward.cross(up)).length() < 1e-6, "{right}");
+            assert!(followed.passed_over.is_empty());
+        }
+    }
+    // A direction of the scene's own is kept, and so is the one at which a shutter opens; both are said.
+    let kept = scene("arm", "look_at = [0, 1, -9]", 2.0);
+    assert!((kept.camera.axes[2] - DVec3::NEG_Z).length() < 1e-6);
+    let open = "gltf = \"animated.gltf\"\nnode = \"arm\"\nshutter = { duration = \"1 m\" }";
+    for (scene, said) in [
+        (kept, "only its position is followed"),
+        (scene("arm", open, 0.0), "as when it opened"),
+    ] {
+        assert_eq!(scene.passed_over.len(), 1);
+        assert!(
+            scene.passed_over[0].contains(said),
+            "{:?}",
+            scene.passed_over
+        );
+    }
+}
+
 /// glTF 2.0, appendix C: before the first key its value holds, and after the last that of the last. By light of before or after,
 /// a lamp on the cart lights a wall as one at rest there does, and a camera on it stays where it is.
 #[test]

@@ -1,4 +1,4 @@
-//! Animations of nodes (glTF 2.0 §3.11): the position of a node over time.
+//! Animations of nodes (glTF 2.0 §3.11): the position and direction of a node over time.
 //!
 //! Each channel sets translation, rotation or scale of a node through a sampler: values at ascending times, interpolated in between. With t
 //! the fraction of the interval from time k to k + 1, d its length in seconds, a and b the values at its ends,
@@ -17,10 +17,11 @@ use ::gltf::json::Index;
 use ::gltf::json::accessor::Accessor;
 use ::gltf::json::animation::{Animation, Interpolation, Property, Sampler};
 use ::gltf::json::validation::Checked;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::accessor::{self, Layout, Purpose};
 use super::buffers::Buffers;
+use super::camera;
 use super::document::{Document, label, listed, shortened};
 use super::nodes::{Hierarchy, local, named, parents, placing};
 use super::summary::refuse_outside;
@@ -38,6 +39,26 @@ pub struct GltfTrack {
     pub is_straight: bool,
     /// Whether the node also rotates along its path.
     pub turns: bool,
+    /// The rotation from the node's pose without the animation to that at each point.
+    pub rotations: Vec<DQuat>,
+}
+
+impl GltfTrack {
+    /// The rotation from the node's pose without the animation to that at a time: between points along the shorter arc, and constant before
+    /// the first and after the last.
+    pub fn rotation(&self, seconds: f64) -> DQuat {
+        let after = self.points.partition_point(|(time, _)| *time <= seconds);
+        let known = |k: usize| self.rotations.get(k).copied().unwrap_or_default();
+        let Some((end, _)) = self.points.get(after) else {
+            return known(self.rotations.len().saturating_sub(1));
+        };
+        let Some(before) = after.checked_sub(1) else {
+            return known(0);
+        };
+        let start = self.points[before].0;
+        let [from, to] = [before, after].map(|k| known(k).to_array());
+        DQuat::from_array(slerp(from, to, (seconds - start) / (end - start))).normalize()
+    }
 }
 
 /// Number of segments between two times if the path is curved.
@@ -105,11 +126,18 @@ pub(super) fn track(
     let posed = (chain.iter())
         .map(|node| Posed::new(document, *node, own(node)))
         .collect::<Result<Vec<_>>>()?;
-    let (mut points, mut axes) = (Vec::new(), Vec::new());
+    let still = chain.iter().map(|node| Posed::new(document, *node, &[]));
+    let still = still.collect::<Result<Vec<_>>>()?;
+    let still = (still.iter()).fold(DAffine3::IDENTITY, |world, node| world * node.rest);
+    let mut direction = directions(still).unwrap_or_default();
+    let from_still = direction.transpose();
+    let (mut points, mut axes, mut rotations) = (Vec::new(), Vec::new(), Vec::new());
     for seconds in times {
         let world = (posed.iter()).fold(DAffine3::IDENTITY, |world, node| world * node.at(seconds));
         points.push((seconds, world.translation));
         // Scale does not turn anything.
+        direction = directions(world).unwrap_or(direction);
+        rotations.push(DQuat::from_mat3(&(direction * from_still)).normalize());
         axes.push([world.matrix3.y_axis, world.matrix3.z_axis].map(DVec3::normalize_or_zero));
     }
     if !points.iter().all(|(_, x)| x.is_finite()) {
@@ -123,7 +151,14 @@ pub(super) fn track(
             let [first_y, first_z] = axes[0];
             (*y - first_y).length() > TURN || (*z - first_z).length() > TURN
         }),
+        rotations,
     })
+}
+
+/// Right, up and back of a node, as of a camera; `None` if its transform is singular or mirrors.
+fn directions(world: DAffine3) -> Option<DMat3> {
+    let [right, up, forward] = camera::orthonormal(world)?;
+    Some(DMat3::from_cols(right, up, -forward))
 }
 
 /// The animation with this name, or the only one.

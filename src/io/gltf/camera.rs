@@ -153,20 +153,24 @@ fn perspective<'c>(
     }
 }
 
-/// Right, up, forward: −Z keeps its direction, +Y is made perpendicular to it; scale is removed.
 fn axes(document: &Document, world: DAffine3, place: &str) -> Result<[DVec3; 3]> {
-    let axes = world.matrix3;
-    let mirrors = axes.determinant() < 0.0;
-    let forward = unit(-axes.z_axis);
-    let up = forward.and_then(|f| unit(unit(axes.y_axis)?.reject_from_normalized(f)));
-    match (forward, up) {
-        (Some(forward), Some(up)) if !mirrors => Ok([forward.cross(up), up, forward]),
-        _ => Err(document.invalid(
+    let refused = || {
+        document.invalid(
             place,
             "the camera's transform is singular or mirrors",
             "place cameras by rotation and translation",
-        )),
-    }
+        )
+    };
+    orthonormal(world).ok_or_else(refused)
+}
+
+/// Right, up, forward: −Z keeps its direction, +Y is made perpendicular to it; scale is removed. `None` for a transform that is singular or
+/// mirrors.
+pub(super) fn orthonormal(world: DAffine3) -> Option<[DVec3; 3]> {
+    let axes = world.matrix3;
+    let forward = unit(-axes.z_axis)?;
+    let up = unit(unit(axes.y_axis)?.reject_from_normalized(forward))?;
+    (axes.determinant() >= 0.0).then_some([forward.cross(up), up, forward])
 }
 
 /// `v` normalized; scaled first, since the square of a small number may underflow.

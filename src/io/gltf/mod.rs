@@ -108,7 +108,7 @@ pub(crate) fn outside_help() -> Message {
         + ") if you trust the file"
 }
 
-/// The path of the origin of the node named `node`, in the animation named `animation`, or else in the only one of the file. The data may
+/// The path of the origin of the node named `node`, and how it turns, in the animation named `animation`, or else in the only one of the file. The data may
 /// be in the file, or in its folder.
 ///
 /// # Errors

@@ -37,7 +37,8 @@ pub(in crate::scene) struct Motion {
     /// The path of a node of a glTF file by one of its animations, in place of `eye`, `velocity` and `clock_zero`: seconds of the
     /// animation are world seconds, converted by `speed_of_light`. The world line passes smoothly through the positions at the
     /// animation's times (and seven more between two of them where the path is curved), as for `keyframes`, and rests at the first before
-    /// it and at the last after it. The clock shows 0 at the first.
+    /// it and at the last after it. The clock shows 0 at the first. A camera whose pose is given by `gltf` also turns with the
+    /// node, from picture to picture.
     pub animation: Option<At<Animation>>,
     /// A circle through `eye` at constant speed, in place of `velocity`, which follows from it.
     pub circle: Option<At<Circle>>,

@@ -1,5 +1,7 @@
 //! The camera.
 
+use glam::DVec3;
+
 use super::context::Context;
 use super::motion::{self, Moving};
 use super::mover::{Mover, only_one_way};
@@ -10,6 +12,7 @@ use crate::scene::file::Camera;
 use crate::scene::inputs::Pose;
 use crate::scene::limits;
 use crate::scene::model::{CameraModel, ProjectionKind};
+use crate::spacetime::worldline::WorldLine;
 
 /// The camera: its parts are resolved separately and then checked against each other.
 pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
@@ -27,7 +30,7 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     } = motion::resolve(cx, &mover, pose.eye)?;
     let interval = camera.frame_interval.as_ref();
     let interval = interval.map(|interval| cx.duration(interval, "`frame_interval`"));
-    let model = CameraModel {
+    let mut model = CameraModel {
         origin,
         axes: pose.axes,
         projection: camera.projection.value,
@@ -45,7 +48,30 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     stereo::refuse_sensor_without_plane(cx, camera)?;
     sensor::refuse_faster_than_light(cx, camera, &model)?;
     worldline::refuse_outside(cx, camera, &model, &line)?;
+    model.axes = axes_at_shot(cx, camera, &model, &line)?;
     Ok(model)
+}
+
+/// The axes at the shot. A camera of a glTF file that follows an animation turns with the animated node: relative to the world's axes,
+/// boosted to its velocity without rotation, its own are turned as the node is in the file at the world time of the shot.
+fn axes_at_shot(
+    cx: &Context,
+    camera: &Camera,
+    model: &CameraModel,
+    line: &WorldLine,
+) -> Result<[DVec3; 3]> {
+    let motion = camera.motion.as_ref().map(|at| &at.value);
+    let animation = motion.and_then(|motion| motion.animation.as_ref());
+    let (Some(animation), Some(_), Some(shot)) = (animation, &camera.gltf, line.state(model.time))
+    else {
+        return Ok(model.axes);
+    };
+    let track = cx.gltf_track(&animation.value.gltf)?;
+    let turn = track.rotation(shot.event.ct / cx.speed_of_light);
+    Ok(match track.turns {
+        true => model.axes.map(|axis| turn * axis),
+        false => model.axes,
+    })
 }
 
 /// The pose when the camera's clock shows 0.

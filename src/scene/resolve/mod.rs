@@ -112,7 +112,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     Ok(scene)
 }
 
-/// Rotations of animated nodes: the world lines of cameras and lights follow positions only.
+/// Rotations of animated nodes that are not followed: only a camera of a glTF file turns with its node, from picture to picture.
 fn passed_over(cx: &Context, file: &file::Scene) -> Result<Vec<String>> {
     let mut sentences = Vec::new();
     let mut look = |thing: &str, motion: &Option<At<file::Motion>>, remedy: &str| -> Result<()> {
@@ -121,20 +121,31 @@ fn passed_over(cx: &Context, file: &file::Scene) -> Result<Vec<String>> {
             && cx.gltf_track(gltf)?.turns
         {
             sentences.push(format!(
-                "{thing}: node {} also rotates in its animation, but only positions are followed: {remedy}",
+                "{thing}: node {} also rotates in its animation, but {remedy}",
                 quoted(&node.value)
             ));
         }
         Ok(())
     };
     if let Some(camera) = &file.camera {
-        let remedy = "give [camera.rotation], or look_at for each time";
-        look("the camera", &camera.value.motion, remedy)?;
+        let file::Camera { gltf, shutter, .. } = &camera.value;
+        let remedy = match (gltf, shutter) {
+            (None, _) => {
+                Some("only its position is followed: give `gltf` in place of `look_at` to turn too")
+            }
+            (Some(_), Some(_)) => {
+                Some("while the shutter is open the camera looks as when it opened")
+            }
+            (Some(_), None) => None,
+        };
+        if let Some(remedy) = remedy {
+            look("the camera", &camera.value.motion, remedy)?;
+        }
     }
     for light in &file.light {
         // A point light looks the same from all sides.
         if light.value.kind.value == file::LightType::Spot {
-            let remedy = "the spot keeps its direction";
+            let remedy = "only its position is followed: the spot keeps its direction";
             look("a spot light", &light.value.motion, remedy)?;
         }
     }

@@ -1,5 +1,5 @@
-//! Light against Mitsuba 3 (tests/data/mitsuba): panel, uniform and pictured sky, point lamp, parallel light, diffuse surfaces, GGX; and light
-//! that bounces between diffuse walls, a mirror and glass, in pictures and in bakes.
+//! Light against Mitsuba 3 (tests/data/mitsuba): panel, uniform and pictured sky, point lamp, parallel light, diffuse surfaces, GGX, glossy
+//! dielectrics; and light that bounces between diffuse walls, a mirror and glass, in pictures and in bakes.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use nullray::render::render;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 
-/// The camera, floor and box of all scenes of generate.py, and the ball that takes its roughness from what follows.
+/// The camera, floor and box of all scenes of generate.py, and the ball that takes its material from what follows.
 const ROOM: &str = "
 [display]
 samples_per_pixel = 256
@@ -30,12 +30,12 @@ colour = [0.3, 0.7, 0.4]
 [[object]]
 shape = { sphere = { radius = 0.8, subdivisions = 6 } }
 transform = { translate = [-0.9, 0.8, 0.2] }
-colour = [1, 1, 1]
-metallic = 1
 ";
 
 /// The rest of the scene under the panel. Roughness ½ is α = ¼; white metal has F = 1.
 const PANEL: &str = "
+colour = [1, 1, 1]
+metallic = 1
 roughness = 0.5
 [[object]]
 name = \"panel\"
@@ -58,6 +58,8 @@ fn direct_light_at_rest_is_that_of_mitsuba() {
 
 /// The second ball of the scenes of lamps; roughness is the root of α.
 const BALLS: &str = "
+colour = [1, 1, 1]
+metallic = 1
 roughness = 0.3
 [[object]]
 shape = { sphere = { radius = 0.4, subdivisions = 6 } }
@@ -85,6 +87,38 @@ fn lamps_and_a_pictured_sky_at_rest_are_those_of_mitsuba() {
         let rest = format!("{BALLS}\n{light}");
         check(name, &rest, folder.path(), [28, 21], 0.01, 15);
     }
+}
+
+/// The balls of glossy dielectrics, one mixed with metal.
+const DIELECTRICS: &str = "
+colour = [0.7, 0.2, 0.1]
+metallic = 0
+roughness = 0.3
+[[object]]
+shape = { sphere = { radius = 0.4, subdivisions = 6 } }
+transform = { translate = [0.3, 0.4, 1.3] }
+colour = [0.2, 0.5, 0.8]
+metallic = 0.4
+roughness = 0.6
+[[light]]
+position = [1.5, 3, 2]
+intensity = [20, 18, 15]
+[sky]
+image = { file = \"sky.exr\" }
+";
+
+#[test]
+fn glossy_dielectrics_at_rest_are_those_of_mitsuba_with_the_published_model() {
+    let folder = tempfile::tempdir().unwrap();
+    write_sky(&folder.path().join("sky.exr"));
+    check(
+        "dielectric",
+        DIELECTRICS,
+        folder.path(),
+        [28, 21],
+        0.004,
+        30,
+    );
 }
 
 /// The room of generate.py that is open in front, with up to four bounces; what follows says how the panel shines in time.
@@ -171,44 +205,42 @@ fn light_that_is_baked_adds_up_over_all_times_to_that_of_mitsuba() {
     // ∫ exp(−t²/2σ²) dt = √(2π) σ.
     let energy = std::f64::consts::TAU.sqrt() * 0.1;
     let pixel = |pixel: usize| {
-        let sum = |c| {
-            (0..bins.count)
-                .map(|bin| value((pixel * bins.count + bin) * 3 + c))
-                .sum()
-        };
-        [0, 1, 2]
-            .map(|c| -> f64 { sum(c) })
-            .map(|sum: f64| sum / energy)
+        [0, 1, 2].map(|c| {
+            let values = (0..bins.count).map(|bin| value((pixel * bins.count + bin) * 3 + c));
+            values.sum::<f64>() / energy
+        })
     };
     check_bounces(&(0..28 * 21).map(pixel).collect::<Vec<_>>());
 }
 
-/// Compares a picture of the room of 256 samples with Mitsuba's. Of other seeds, means over the picture differ by 0.15 % rms and those over
-/// 4 × 3 pixels by up to 6 %, in a caustic, and elsewhere by 2 %: less than 1 in 10⁴ fail. With a bounce more or less whole pictures
-/// are 1.0 to 1.8 % off; without the glass, or the mirror, parts of them are by more than half.
+/// Compares a picture of the room of 256 samples with Mitsuba's. With twelve seeds the mean over the picture was off by 0.25 % rms, the
+/// median of means over 4 × 3 pixels by 0.2 %, and the worst of these, in and above the caustic, by 7 to 9 %: the limits are four times
+/// that. With three bounces the median is 3.3 % lower, with five 1.0 % higher; without the mirror it is 2.5 % lower; without the glass one of the means is
+/// 47 % off.
 fn check_bounces(got: &[[f64; 3]]) {
-    let [width, height] = [28, 21];
+    let (width, height) = (28, 21);
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mitsuba/bounces.npy");
     let expected = reference(&file, [width, height]);
-    let mean = |of: &[[f64; 3]], c: usize, [x, y]: [usize; 2], [w, h]: [usize; 2]| {
+    // Over so many pixels from a corner on.
+    let ratio = |c: usize, [x, y]: [usize; 2], [w, h]: [usize; 2]| {
         let pixels = (y..y + h).flat_map(|j| (x..x + w).map(move |i| j * width + i));
-        pixels.map(|pixel| of[pixel][c]).sum::<f64>() / (w * h) as f64
+        let sums = pixels.fold([0.0; 2], |[a, b], k| [a + got[k][c], b + expected[k][c]]);
+        sums[0] / sums[1]
     };
+    let mut parts = Vec::new();
     for c in 0..3 {
-        let [a, b] = [got, &expected].map(|of| mean(of, c, [0, 0], [width, height]));
-        assert!((a / b - 1.0).abs() < 0.006, "channel {c}: {a} {b}");
-        for corner in (0..height)
-            .step_by(3)
-            .flat_map(|y| (0..width).step_by(4).map(move |x| [x, y]))
-        {
-            let [a, b] = [got, &expected].map(|of| mean(of, c, corner, [4, 3]));
-            let most = if corner[1] >= 15 { 0.25 } else { 0.1 };
-            assert!(
-                (a / b - 1.0).abs() < most,
-                "channel {c} at {corner:?}: {a} {b}"
-            );
+        let whole = ratio(c, [0, 0], [width, height]);
+        assert!((whole - 1.0).abs() < 0.01, "channel {c}: {whole}");
+        for corner in (0..7).flat_map(|j| (0..7).map(move |i| [4 * i, 3 * j])) {
+            let part = ratio(c, corner, [4, 3]);
+            let most = if corner[1] < 15 { 0.28 } else { 0.36 };
+            assert!((part - 1.0).abs() < most, "channel {c}, {corner:?}: {part}");
+            parts.push(part);
         }
     }
+    parts.sort_by(f64::total_cmp);
+    let median = parts[parts.len() / 2];
+    assert!((median - 1.0).abs() < 0.008, "median {median}");
 }
 
 /// A scene of this size.

@@ -10,6 +10,7 @@
 //! its magnitude in steps of about the size of the differences nearby, first the number of whole steps in unary, then the
 //! rest from the highest bit, then the sign. Chances adapt to what came before, for each size of the differences nearby, and those of
 //! signs also for the signs of the differences nearby: those of one texel resemble their predecessors.
+//! Before all that a texel says whether it repeats the one to its left, or the one above: those around charts do, and dark ones.
 //! Unpacking it gives the bits of `scenes/corner/lightmap.npz`.
 //!
 //! Sources: linear prediction and contexts by nearby differences, Weinberger, Seroussi, Sapiro, "The LOCO-I lossless image
@@ -93,9 +94,36 @@ fn code(coder: &mut impl Coder, known: Option<&[u16]>) -> Vec<u8> {
     let mut chances = vec![Chances::default(); CONTEXTS];
     let mut samples = Vec::with_capacity(2 * rows * columns * bins);
 
+    // Which neighbour a texel repeats: neither, the left one, the one above; and the chances of each by what those two repeat.
+    let mut repeats = vec![0; rows * columns];
+    let mut repeating = [[[Chance::EVEN; 2]; 3]; 3];
     for texel in 0..rows * columns {
         let [row, column] = [texel / columns, texel % columns];
         let first = index(row + BEFORE[0], column + BEFORE[1], BEFORE[2]);
+
+        // Outside of the array texels are dark.
+        let of = |texel: Option<usize>| texel.map_or(0, |texel: usize| repeats[texel]);
+        let chances_here = &mut repeating[of(texel.checked_sub(1))][of(texel.checked_sub(columns))];
+        let sources = [[0, 1, 0], [1, 0, 0]].map(|beside| first.wrapping_add_signed(-back(beside)));
+        let is_repeated = |known: &[u16], source: usize| {
+            let known = known[texel * bins..][..bins]
+                .iter()
+                .map(|bits| value(*bits));
+            known.eq(values[source..][..bins].iter().copied())
+        };
+        let source = (0..2).find(|&k| {
+            let is = known.is_some_and(|known| is_repeated(known, sources[k]));
+            chances_here[k].code(coder, is)
+        });
+        if let Some(k) = source {
+            repeats[texel] = k + 1;
+            values.copy_within(sources[k]..sources[k] + bins, first);
+            missed.copy_within(sources[k]..sources[k] + bins, first);
+            let row = values[first..][..bins].iter();
+            samples.extend(row.flat_map(|value| bits(i64::from(*value)).to_le_bytes()));
+            continue;
+        }
+
         for bin in 0..bins {
             // The prediction, rounded to f16.
             let here = first + bin;

@@ -281,7 +281,10 @@ impl Shading {
             return;
         };
         let mut escaped = &self.escaped;
+        // Not cleared, since it is overwritten.
+        let radiance = std::mem::take(&mut self.emitted.radiance);
         self.emitted.start(response.clone());
+        self.emitted.radiance = radiance;
         if sky.takes_columns() {
             take_directions(escaped, traced, &mut self.directions);
         }
@@ -303,6 +306,7 @@ impl Shading {
         let only_stars = sky.only_stars();
         if let Some(stars) = only_stars {
             self.starlit.clear();
+            self.emitted.radiance.clear();
             let ratios = those_of(escaped, ratios, &mut self.ratios);
             let pixels = PixelAngles { ratios, ..pixels };
             let (starlit, radiance) = (&mut self.starlit, &mut self.emitted.radiance);
@@ -384,9 +388,17 @@ impl Shading {
         while ray < hits.len() {
             let hit = hits[ray].as_ref();
             let hit = hit.map(|hit| (hit, traced.hits.frame(ray)));
-            let (of_ray, rays) = (weight(ray), ray as u32..ray as u32 + 1);
-            unmet += self.take(scene, rays, hit, of_ray, &mut patch, sink);
+            let (of_ray, first) = (weight(ray), ray);
             ray += 1;
+            // Rays that hit nothing mostly follow each other, and are handled together.
+            while hit.is_none()
+                && hits.get(ray).is_some_and(Option::is_none)
+                && weight(ray) == of_ray
+            {
+                ray += 1;
+            }
+            let rays = first as u32..ray as u32;
+            unmet += self.take(scene, rays, hit, of_ray, &mut patch, sink);
             // Most of the following rays hit the same patch, and are handled together.
             let begin = ray;
             while let Some(Some(hit)) = hits.get(ray)

@@ -19,7 +19,6 @@ fn seen(
         pixel: 1.0,
         ratios: &ratios,
         beaming: Beaming::REST,
-        motions: &[],
     };
     let mut seen = vec![[0.0; 3]; directions.len()];
     map.each_seen(
@@ -343,20 +342,9 @@ fn seen_from(
     pixel: f64,
     channels: bool,
 ) -> Vec<f64> {
-    let looks = own.iter().map(|d| (camera, *d));
-    seen_from_each(map, (camera, &[]), looks, pixel, channels)
-}
-
-/// The same along directions of the frames of several cameras, the first of which counts for rays without `motions`.
-fn seen_from_each<'a>(
-    map: &StarMap,
-    (camera, motions): (&Boost<World, CameraFrame>, &[Motion]),
-    own: impl ExactSizeIterator<Item = (&'a Boost<World, CameraFrame>, DVec3)>,
-    pixel: f64,
-    channels: bool,
-) -> Vec<f64> {
-    let mut seen = vec![0.0; own.len()];
-    let looks = own.map(|(camera, d)| camera.direction(Direction::from_unit(d)));
+    let looks = own
+        .iter()
+        .map(|d| camera.direction(Direction::from_unit(*d)));
     let (directions, ratios): (Vec<_>, Vec<_>) = looks.map(|(d, w)| (d.unit(), w)).unzip();
     let mut columns = Columns::default();
     columns.take(&directions);
@@ -370,12 +358,12 @@ fn seen_from_each<'a>(
             channels,
             shifted: true,
         },
-        motions,
     };
     let light = |k: usize, star: &Star| match channels {
         true => star.channels(),
         false => star.colour(ratios[k]),
     };
+    let mut seen = vec![0.0; own.len()];
     map.each_seen(&columns, angles, light, |k, [r, _, _]| {
         seen[k] = r * if channels { ratios[k].powi(-4) } else { 1.0 };
     });
@@ -450,45 +438,6 @@ fn pixels_of_any_width_see_all_stars_where_they_are_at_any_speed() {
                 assert!(
                     (light / whole - 1.0).abs() < 0.01,
                     "{case}: {light} of {whole}"
-                );
-            }
-        }
-    }
-}
-
-#[test]
-fn rays_at_different_moments_of_an_acceleration_see_stars_as_at_those_moments() {
-    let mut next = numbers(23);
-    let vectors: Vec<_> = (0..3000)
-        .map(|_| DVec3::new(next(), next(), next()).normalize())
-        .collect();
-    let map = StarMap::new(stars_at(&vectors, 24), 1e-5);
-    let ahead = DVec3::new(0.6, 0.02, -0.8).normalize();
-    // Speeding up and turning.
-    let cameras = [0.5, 0.6, 0.8].map(|rapidity| {
-        let velocity = Velocity::from_rapidity(ahead * rapidity + DVec3::Y * (rapidity - 0.5));
-        Boost::<World, CameraFrame>::new(velocity.unwrap())
-    });
-    let own: Vec<_> = (0..600)
-        .map(|k| {
-            let at = |n: i32| 0.02 * f64::from(n - 11);
-            (ahead + ahead.any_orthonormal_vector() * at(k % 24) + DVec3::Y * at(k / 24))
-                .normalize()
-        })
-        .collect();
-    let camera = |k: usize| &cameras[k % 3];
-    let motions: Vec<_> = (0..own.len()).map(|k| Motion::of(camera(k))).collect();
-    for (pixel, channels) in [(0.03, true), (0.03, false), (0.2, true), (0.2, false)] {
-        let each = (0..own.len()).map(|k| (camera(k), own[k]));
-        let mixed = seen_from_each(&map, (camera(0), &motions), each, pixel, channels);
-        for (which, camera) in cameras.iter().enumerate() {
-            let alone = seen_from(&map, camera, &own, pixel, channels);
-            let most = alone.iter().copied().fold(0.0, f64::max);
-            for k in (which..own.len()).step_by(3) {
-                let off = (mixed[k] - alone[k]).abs();
-                assert!(
-                    off < 1e-9 * most,
-                    "{pixel} {channels} {which}, {k}: {off} of {most}"
                 );
             }
         }

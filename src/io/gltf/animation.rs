@@ -44,20 +44,18 @@ pub struct GltfTrack {
 }
 
 impl GltfTrack {
-    /// The rotation from the node's pose without the animation to that at a time: between points along the shorter arc, and constant before
-    /// the first and after the last.
+    /// The same at a time: between points along the shorter arc, and constant before the first and after the last.
     pub fn rotation(&self, seconds: f64) -> DQuat {
         let after = self.points.partition_point(|(time, _)| *time <= seconds);
-        let known = |k: usize| self.rotations.get(k).copied().unwrap_or_default();
-        let Some((end, _)) = self.points.get(after) else {
-            return known(self.rotations.len().saturating_sub(1));
+        let begin = after.min(self.rotations.len().max(1) - 1).max(1) - 1;
+        let (Some([(start, _), (end, _)]), Some([from, to])) = (
+            self.points.get(begin..begin + 2),
+            self.rotations.get(begin..begin + 2),
+        ) else {
+            return DQuat::IDENTITY;
         };
-        let Some(before) = after.checked_sub(1) else {
-            return known(0);
-        };
-        let start = self.points[before].0;
-        let [from, to] = [before, after].map(|k| known(k).to_array());
-        DQuat::from_array(slerp(from, to, (seconds - start) / (end - start))).normalize()
+        let way = ((seconds - start) / (end - start)).clamp(0.0, 1.0);
+        DQuat::from_array(slerp(from.to_array(), to.to_array(), way)).normalize()
     }
 }
 
@@ -126,32 +124,30 @@ pub(super) fn track(
     let posed = (chain.iter())
         .map(|node| Posed::new(document, *node, own(node)))
         .collect::<Result<Vec<_>>>()?;
-    let still = chain.iter().map(|node| Posed::new(document, *node, &[]));
-    let still = still.collect::<Result<Vec<_>>>()?;
-    let still = (still.iter()).fold(DAffine3::IDENTITY, |world, node| world * node.rest);
-    let mut direction = directions(still).unwrap_or_default();
-    let from_still = direction.transpose();
-    let (mut points, mut axes, mut rotations) = (Vec::new(), Vec::new(), Vec::new());
+    let still = Hierarchy::new(document, &mut Warnings::default())?.world(target);
+    let still = directions(still).unwrap_or_default();
+    let (mut points, mut turned) = (Vec::new(), Vec::new());
     for seconds in times {
         let world = (posed.iter()).fold(DAffine3::IDENTITY, |world, node| world * node.at(seconds));
         points.push((seconds, world.translation));
-        // Scale does not turn anything.
-        direction = directions(world).unwrap_or(direction);
-        rotations.push(DQuat::from_mat3(&(direction * from_still)).normalize());
-        axes.push([world.matrix3.y_axis, world.matrix3.z_axis].map(DVec3::normalize_or_zero));
+        // Scale does not turn anything; where it is 0, directions are those before.
+        let before = turned.last().copied().unwrap_or(still);
+        turned.push(directions(world).unwrap_or(before));
     }
     if !points.iter().all(|(_, x)| x.is_finite()) {
         let what = "its path goes beyond the range of numbers";
         return Err(document.invalid(place, what, "all points must be finite"));
     }
+    let turns = |d: &DMat3| {
+        let [y, z] = [d.y_axis - turned[0].y_axis, d.z_axis - turned[0].z_axis];
+        y.length() > TURN || z.length() > TURN
+    };
+    let rotation = |d: &DMat3| DQuat::from_mat3(&(*d * still.transpose())).normalize();
     Ok(GltfTrack {
         points,
         is_straight: is_straight(&channels),
-        turns: axes.iter().any(|[y, z]| {
-            let [first_y, first_z] = axes[0];
-            (*y - first_y).length() > TURN || (*z - first_z).length() > TURN
-        }),
-        rotations,
+        turns: turned.iter().any(turns),
+        rotations: turned.iter().map(rotation).collect(),
     })
 }
 

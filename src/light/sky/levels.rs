@@ -277,9 +277,9 @@ struct Profiles {
     evens: Eighths,
     /// The fraction of the way of stars to their places on the next level.
     ways: Eighths,
-    /// The gradient of 1/W along the motion, times W, or by component for rays that have their own; and W²/4.
+    /// The gradient of 1/W along the motion, times W; the motion's direction; and W²/4.
     slopes: Eighths,
-    own_slopes: [Eighths; 3],
+    motions: [Eighths; 3],
     quarters: Eighths,
     /// The middle of each eighth of the rays, and the distance of the farthest from there.
     middles: [Lanes; 3],
@@ -289,31 +289,16 @@ struct Profiles {
 impl Profiles {
     /// L/E along the ray in a lane of an eighth, of a star at `middle`, and W_d/W_s.
     #[inline(always)]
-    fn density<const OWN: bool>(
-        &self,
-        eighth: usize,
-        lane: usize,
-        n: DVec3,
-        middle: DVec3,
-    ) -> [f64; 2] {
+    fn density(&self, eighth: usize, lane: usize, middle: DVec3) -> [f64; 2] {
         let [x, y, z] = &self.directions;
         let d = DVec3::new(x[eighth][lane], y[eighth][lane], z[eighth][lane]);
         let quarter = self.quarters[eighth][lane];
         // W_d/W_s, and c² = c_world² W_d W_s of the chord c in the camera's frame, all over W_d²: sin² θ = c² (1 − c²/4), in front if
         // c² < 2.
         let away = middle - d;
-        let change = match OWN {
-            true => {
-                let [x, y, z] = &self.own_slopes;
-                away.dot(DVec3::new(
-                    x[eighth][lane],
-                    y[eighth][lane],
-                    z[eighth][lane],
-                ))
-            }
-            false => self.slopes[eighth][lane] * away.dot(n),
-        };
-        let ratio = 1.0 + change;
+        let [x, y, z] = &self.motions;
+        let n = DVec3::new(x[eighth][lane], y[eighth][lane], z[eighth][lane]);
+        let ratio = 1.0 + self.slopes[eighth][lane] * away.dot(n);
         let chord = away.length_squared() / ratio;
         let left = self.squares[eighth][lane] - chord * (1.0 - quarter * chord);
         let part = left * self.inverses[eighth][lane];
@@ -369,15 +354,10 @@ impl<const OWN: bool> VectorLoop for Widen<'_, OWN> {
                 let ratio = 1.0 / motion.inverse_ratio(d);
                 // An element of a turning sensor may have another motion: no change of W is known.
                 let is_own = (ratios[lane] > 0.5 * ratio) & (ratios[lane] < 2.0 * ratio);
-                let slope = if is_own { motion.sinh * ratio } else { 0.0 };
-                match OWN {
-                    true => {
-                        for (to, n) in to.own_slopes.iter_mut().zip(motion.n.to_array()) {
-                            to[eighth][lane] = slope * n;
-                        }
-                    }
-                    false => to.slopes[eighth][lane] = slope,
-                }
+                to.slopes[eighth][lane] = if is_own { motion.sinh * ratio } else { 0.0 };
+                to.motions[0][eighth][lane] = motion.n.x;
+                to.motions[1][eighth][lane] = motion.n.y;
+                to.motions[2][eighth][lane] = motion.n.z;
                 to.quarters[eighth][lane] = 0.25 * ratio * ratio;
             }
             let mut squares = [0.0; LANES];
@@ -426,9 +406,8 @@ fn lanes(column: &[f64], begin: usize) -> Lanes {
 }
 
 /// L/E of a place for the rays of some eighths of a block, W_d/W_s for each, and a bit mask of the eighths in which any L is above 0.
-struct Densities<'a, const OWN: bool> {
+struct Densities<'a> {
     profiles: &'a Profiles,
-    n: DVec3,
     place: &'a Place,
     /// The place it moves to; `None` for one that stays.
     merged: Option<&'a Place>,
@@ -438,10 +417,10 @@ struct Densities<'a, const OWN: bool> {
     eighths: &'a mut u64,
 }
 
-impl<const OWN: bool> VectorLoop for Densities<'_, OWN> {
+impl VectorLoop for Densities<'_> {
     #[inline(always)]
     fn run(self) {
-        let (profiles, n) = (self.profiles, self.n);
+        let profiles = self.profiles;
         let mut left = self.near;
         while left != 0 {
             let eighth = left.trailing_zeros() as usize % EIGHTHS;
@@ -451,15 +430,13 @@ impl<const OWN: bool> VectorLoop for Densities<'_, OWN> {
                 None => {
                     for lane in 0..LANES {
                         let middle = self.place.direction;
-                        [densities[lane], ratios[lane]] =
-                            profiles.density::<OWN>(eighth, lane, n, middle);
+                        [densities[lane], ratios[lane]] = profiles.density(eighth, lane, middle);
                     }
                 }
                 Some(merged) => {
                     for lane in 0..LANES {
                         let middle = self.place.towards(merged, profiles.ways[eighth][lane]);
-                        [densities[lane], ratios[lane]] =
-                            profiles.density::<OWN>(eighth, lane, n, middle);
+                        [densities[lane], ratios[lane]] = profiles.density(eighth, lane, middle);
                     }
                 }
             }
@@ -477,8 +454,6 @@ impl<const OWN: bool> VectorLoop for Densities<'_, OWN> {
 #[derive(Debug)]
 pub(super) struct Tally {
     beaming: Beaming,
-    /// Whether rays have their own motions.
-    own: bool,
     profiles: Box<Profiles>,
     densities: Eighths,
     ratios: Eighths,
@@ -500,7 +475,6 @@ impl Default for Tally {
     fn default() -> Self {
         Tally {
             beaming: Beaming::REST,
-            own: false,
             profiles: Box::default(),
             densities: Eighths::default(),
             ratios: Eighths::default(),
@@ -527,10 +501,9 @@ impl Tally {
     ) {
         (self.some, self.many) = (0, 0);
         (self.beaming, self.distance, self.left) = (rays.beaming, distance, left);
-        self.own = !rays.motions.is_empty();
-        match self.own {
-            true => self.widen::<true>(rays, widths, most),
-            false => self.widen::<false>(rays, widths, most),
+        match rays.motions {
+            [] => self.widen::<false>(rays, widths, most),
+            _ => self.widen::<true>(rays, widths, most),
         }
     }
 
@@ -569,17 +542,10 @@ impl Tally {
         }
     }
 
-    /// Sets the densities and ratios of a place for the eighths `near`; returns those in which it is seen.
-    fn densities_of<const OWN: bool>(
-        &mut self,
-        near: u64,
-        place: &Place,
-        merged: Option<&Place>,
-    ) -> u64 {
+    fn add_place(&mut self, level: &Level, near: u64, place: &Place, merged: Option<&Place>) {
         let mut eighths = 0;
-        dispatch(Densities::<OWN> {
+        dispatch(Densities {
             profiles: &self.profiles,
-            n: self.beaming.motion.n,
             place,
             merged,
             near,
@@ -587,14 +553,6 @@ impl Tally {
             ratios: &mut self.ratios,
             eighths: &mut eighths,
         });
-        eighths
-    }
-
-    fn add_place(&mut self, level: &Level, near: u64, place: &Place, merged: Option<&Place>) {
-        let mut eighths = match self.own {
-            true => self.densities_of::<true>(near, place, merged),
-            false => self.densities_of::<false>(near, place, merged),
-        };
         while eighths != 0 {
             let eighth = eighths.trailing_zeros() as usize % EIGHTHS;
             eighths &= eighths - 1;

@@ -42,17 +42,11 @@ impl<'a> Rays<'a> {
         own.copied().unwrap_or(self.beaming.motion)
     }
 
-    /// sinh φ and γ of the fastest observer.
+    /// γ of the fastest observer.
     #[inline]
-    pub fn fastest(self) -> [f64; 2] {
-        let of = |motion: &Motion| [motion.sinh, motion.gamma];
-        let faster = |[sinh, gamma]: [f64; 2], motion: &Motion| {
-            [sinh.max(motion.sinh), gamma.max(motion.gamma)]
-        };
-        match self.motions {
-            [] => of(&self.beaming.motion),
-            own => own.iter().fold([0.0, 1.0], faster),
-        }
+    pub fn fastest(self) -> f64 {
+        let own = self.motions.iter().map(|motion| motion.gamma);
+        own.reduce(f64::max).unwrap_or(self.beaming.motion.gamma)
     }
 
     /// The rays of a range.

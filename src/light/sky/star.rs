@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::colour::blackbody_colour;
 use crate::spacetime::worldline::WorldLine;
-use crate::spacetime::{Boost, CameraFrame, Velocity, World};
+use crate::spacetime::{Boost, CameraFrame, World};
 
 /// A star.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,10 +89,6 @@ impl Motion {
     /// That of a camera.
     pub fn of(world_from_camera: &Boost<World, CameraFrame>) -> Motion {
         let (n, rapidity) = world_from_camera.motion();
-        Motion::towards(n, rapidity)
-    }
-
-    fn towards(n: DVec3, rapidity: f64) -> Motion {
         Motion {
             n,
             down: libm::exp(-rapidity),
@@ -122,9 +118,9 @@ impl Motion {
 pub struct Motions {
     /// Its world line.
     pub line: WorldLine,
-    /// Its proper time when the shutter opens.
+    /// Proper time when the shutter opens.
     pub time: f64,
-    /// Proper time from then until it closes.
+    /// Proper time until it closes.
     pub duration: f64,
 }
 
@@ -132,15 +128,9 @@ impl Motions {
     /// The motion at this moment of the exposure, 0 to 1; rest where the world line does not extend, and no ray sees anything.
     pub fn at(&self, moment: f64) -> Motion {
         let place = self.line.place(self.time + moment * self.duration);
-        place.map_or(Motion::REST, |(_, velocity)| Motion::from(velocity))
-    }
-}
-
-impl From<Velocity> for Motion {
-    fn from(velocity: Velocity) -> Motion {
-        let rapidity = velocity.rapidity();
-        let n = rapidity.try_normalize();
-        n.map_or(Motion::REST, |n| Motion::towards(n, rapidity.length()))
+        place.map_or(Motion::REST, |(_, velocity)| {
+            Motion::of(&Boost::new(velocity))
+        })
     }
 }
 

@@ -475,9 +475,9 @@ impl StarMap {
 ///
 /// C² > c² W_d W_s, and over c 1/W grows by its gradient and curvature at most ([`Motion`]): with r = C/W_d, c² < r² (1 + g c + k c²).
 fn distance(rays: &Rays, [least, greatest]: [f64; 2], reach: f64) -> Option<f64> {
-    let ([sinh, gamma], point) = (rays.fastest(), CHORD * REACH * rays.pixel);
+    let (gamma, point) = (rays.fastest(), CHORD * REACH * rays.pixel);
     let (mut steep, mut bent) = (0.0, 0.0);
-    if sinh > 0.0 {
+    if gamma > 1.0 {
         // r² g² and r² k, where they are largest for 1/W in this range.
         let square = point * point;
         let at = |y: f64| y.max(1.0 / greatest).min(1.0 / least);

@@ -52,8 +52,7 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     Ok(model)
 }
 
-/// The axes at the shot. A camera of a glTF file that follows an animation turns with the animated node: relative to the world's axes,
-/// boosted to its velocity without rotation, its own are turned as the node is in the file at the world time of the shot.
+/// The axes at the shot: those of a camera of a glTF file that follows an animation are turned as the node is at that world time.
 fn axes_at_shot(
     cx: &Context,
     camera: &Camera,
@@ -68,10 +67,7 @@ fn axes_at_shot(
     };
     let track = cx.gltf_track(&animation.value.gltf)?;
     let turn = track.rotation(shot.event.ct / cx.speed_of_light);
-    Ok(match track.turns {
-        true => model.axes.map(|axis| turn * axis),
-        false => model.axes,
-    })
+    Ok(model.axes.map(|axis| turn * axis))
 }
 
 /// The pose when the camera's clock shows 0.

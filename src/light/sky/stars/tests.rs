@@ -19,6 +19,7 @@ fn seen(
         pixel: 1.0,
         ratios: &ratios,
         beaming: Beaming::REST,
+        motions: &[],
     };
     let mut seen = vec![[0.0; 3]; directions.len()];
     map.each_seen(
@@ -358,6 +359,7 @@ fn seen_from(
             channels,
             shifted: true,
         },
+        motions: &[],
     };
     let light = |k: usize, star: &Star| match channels {
         true => star.channels(),

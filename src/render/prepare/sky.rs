@@ -106,17 +106,17 @@ pub(super) fn motion(scene: &Scene, shot: &Shot) -> Motion {
 }
 
 /// The same by the moment of the exposure, if it changes.
-pub(super) fn motions(scene: &Scene) -> Option<Motions> {
+pub(super) fn motions(scene: &Scene) -> Option<Box<Motions>> {
     let camera = &scene.camera;
     let duration = camera.shutter?.duration;
     let changes = camera.motion != model::Motion::Inertial && scene.effects.aberration;
     // The world line was checked when the scene was resolved.
     let line = camera.world_line().ok().filter(|_| changes)?;
-    Some(Motions {
+    Some(Box::new(Motions {
         line,
         time: camera.time,
         duration,
-    })
+    }))
 }
 
 /// The sky as a light of the surfaces of `frames`.

@@ -94,7 +94,7 @@ pub enum Background {
         /// How the observer sees stars.
         beaming: Beaming,
         /// The observer's motion by the moment of the exposure, if it changes.
-        motions: Option<Motions>,
+        motions: Option<Box<Motions>>,
     },
 }
 

@@ -425,7 +425,7 @@ impl View<'_> {
                     }
                     // Rays that start near one point are treated as sharing it, if f64 certifies their hits: (K5) of `block`.
                     _ => {
-                        let room = (stack.as_mut(), self.most_work(was_fine));
+                        let room = (&mut *stack, self.most_work(was_fine));
                         match rays.as_shared(&self.tree.space, &block.order) {
                             Some(rays) if method.precision == Precision::Certified => {
                                 self.closest_of_block(method, rays, hits, &mut space, room, tally)

@@ -215,8 +215,8 @@ fn light_that_is_baked_adds_up_over_all_times_to_that_of_mitsuba() {
 
 /// Compares a picture of the room of 256 samples with Mitsuba's. With twelve seeds the mean over the picture was off by 0.25 % rms, the
 /// median of means over 4 × 3 pixels by 0.2 %, and the worst of these, in and above the caustic, by 7 to 9 %: the limits are four times
-/// that. With three bounces the median is 3.3 % lower, with five 1.0 % higher; without the mirror it is 2.5 % lower; without the glass one of the means is
-/// 47 % off.
+/// that. With three bounces the median is 3.3 % lower, with five 1.0 % higher; without the mirror it is 2.5 % lower; without the glass one
+/// of the means is 47 % off.
 fn check_bounces(got: &[[f64; 3]]) {
     let (width, height) = (28, 21);
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mitsuba/bounces.npy");

@@ -108,8 +108,8 @@ pub(crate) fn outside_help() -> Message {
         + ") if you trust the file"
 }
 
-/// The path of the origin of the node named `node`, and how it turns, in the animation named `animation`, or else in the only one of the file. The data may
-/// be in the file, or in its folder.
+/// The path of the origin of the node named `node`, and how it turns, in the animation named `animation`, or else in the only one of the
+/// file. The data may be in the file, or in its folder.
 ///
 /// # Errors
 /// The file cannot be read or is not glTF 2.0; there is no such node or animation, or more than one; the animation does not move the node,

@@ -144,6 +144,10 @@ impl Rendered {
         let blackness = remarks::blackness(scene, &self.film, !shift.is_empty(), prepared);
         say(quiet, &blackness)?;
         say(quiet, &remarks::only_sky(scene, &self.film))?;
+        say(
+            quiet,
+            &remarks::other_times(scene, &self.film, &mut self.prepared),
+        )?;
         say(quiet, &remarks::enclosed(scene, &self.prepared))?;
         say(quiet, &times)?;
         say(quiet, &shift)?;

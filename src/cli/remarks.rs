@@ -95,6 +95,15 @@ fn nothing_met(scene: &Scene) -> String {
     format!("no ray meets an object{from}: look elsewhere, change camera.hfov{behind}")
 }
 
+/// The camera times that show objects, if this picture shows none; empty otherwise, and if nothing moves.
+pub fn other_times(scene: &Scene, film: &Film, prepared: &mut Prepared) -> String {
+    if film.met() > 0.0 || scene.objects.is_empty() {
+        return String::new();
+    }
+    let text = survey::other_times(scene, prepared);
+    text.map_or(String::new(), |text| with_flags(&text) + "\n")
+}
+
 /// For each lamp and pulse whose light is not in view at its time: when the light in view left, when there are data, and the camera times
 /// that would show some of them.
 pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {

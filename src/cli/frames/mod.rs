@@ -339,7 +339,8 @@ impl Sequence<'_> {
                 let times = self.prepared.as_mut().map(|p| {
                     let misfits = survey::misfits(scene, p).into_iter();
                     let line = |text: String| format!("{}\n", super::info::escaped(&text));
-                    remarks::times(scene, p) + &misfits.map(line).collect::<String>()
+                    let others = remarks::other_times(scene, film, p);
+                    others + &remarks::times(scene, p) + &misfits.map(line).collect::<String>()
                 });
                 self.done.remark = format!("frame {number}: {remark}{}", times.unwrap_or_default());
             }

@@ -11,8 +11,10 @@
 //!
 //! Later shots see later light: [`Shots`] finds those that show some of it.
 
+mod in_view;
 mod search;
 
+pub use in_view::other_times;
 pub use search::Shots;
 
 use rayon::prelude::*;

@@ -300,3 +300,47 @@ fn a_picture_without_any_object_says_so_and_advises_nothing_that_is_set() {
         assert_eq!(said.contains("two_sided"), advice, "{said}");
     }
 }
+
+#[test]
+fn after_a_camera_has_passed_everything_the_times_that_show_it_are_named() {
+    let folder = Folder::empty();
+    // At 0.6 c along x past a box at the origin, 5 m aside, looking aside with a field of view of 90°.
+    let scene = |time: &str, motion: &str| {
+        format!(
+            "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nhfov = \"90 deg\"\nsize = [64, 48]\ntime = \"{time}\"\n{motion}\n\
+             [[object]]\nshape = {{ box = {{ size = [0.5, 0.5, 0.5] }} }}\n"
+        )
+    };
+    let velocity = "velocity = { beta = 0.6, direction = [1, 0, 0] }";
+    // cos θ = (cos θ′ − β)/(1 − β cos θ′) at the edges of the film, cos θ′ = ±1/√2, and the camera is at x = −5 m cot θ, at its time
+    // x/βγ. Corners of the box pass the edges up to (0.25 + 0.25 |cot θ|) m/βγ earlier or later: 1.1 m.
+    let edge = |seen: f64| {
+        let cosine = (seen - 0.6) / (1.0 - 0.6 * seen);
+        -5.0 * cosine / (1.0 - cosine * cosine).sqrt() / 0.75
+    };
+    let [enters, leaves] = [edge(0.5f64.sqrt()), edge(-(0.5f64.sqrt()))];
+    for time in ["100 m", "-30 m", "1 km"] {
+        let [_, said] = planned_and_rendered(&folder, &scene(time, velocity));
+        let advice = said
+            .split("objects are in view at other times: try --time \"")
+            .nth(1);
+        let advice = advice.unwrap_or_else(|| panic!("{time}: {said}"));
+        let (from, rest) = advice.split_once(" m\" to \"").unwrap();
+        let (to, _) = rest.split_once(" m\"").unwrap();
+        let [from, to] = [from, to].map(|text| text.parse::<f64>().unwrap());
+        assert!(
+            (enters - 1.2..enters + 0.1).contains(&from),
+            "{from}, {enters}"
+        );
+        assert!((leaves - 0.1..leaves + 1.2).contains(&to), "{to}, {leaves}");
+    }
+    // At rest no time helps.
+    let [_, said] = planned_and_rendered(
+        &folder,
+        &scene("100 m", "").replace("[0, 0, 0]\nh", "[0, 0, 9]\nh"),
+    );
+    assert!(
+        said.contains("no ray meets an object") && !said.contains("--time"),
+        "{said}"
+    );
+}

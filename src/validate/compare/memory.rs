@@ -1,7 +1,7 @@
 //! Estimates the memory of a comparison, so that one that is too large can be refused before it starts.
 //!
 //! Bytes per pixel were measured with a counting allocator over pictures of light only, of all channels, grey and with NaN: the search for
-//! curves applied to the light takes most (up to 218 bytes), and is freed before error pictures are made.
+//! curves applied to the light takes most (up to 214 bytes), and is freed before error pictures are made.
 
 use super::options::{CompareOptions, NotFinite};
 use super::picture::Picture;
@@ -10,7 +10,7 @@ use crate::io::image::{Layers, Samples};
 /// Bytes that the search for shifts takes for pictures of any size.
 const SEARCHED: u64 = 48 << 20;
 /// Bytes per pixel of measurements and searches, whatever the channels.
-const MEASURED: u64 = 224;
+const MEASURED: u64 = 232;
 /// Bytes per pixel of the error pictures: both for a display, maps in false colours, their files.
 const DRAWN: u64 = 160;
 /// Bytes per pixel of one channel of the maps: the difference, both inputs of it in f64 or, later, the encoded file.

@@ -207,11 +207,11 @@ fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) ->
         for signs in (0..8u32).map(|signs| signs ^ all_first) {
             let sign = |axis: u32| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
             let signs = DVec3::new(sign(0), sign(1), sign(2));
-            let tally = Tally::of(pixels.iter().map(|&i| {
+            let tally = Tally::of_pixels(pixels, |i| {
                 let (r, c) = (place(r, i), place(c, i));
                 let turned = DVec3::from(order.map(|axis| r[axis])) * signs;
-                [(c - r).length(), (c - turned).length()]
-            }));
+                Some([(c - r).length(), (c - turned).length()])
+            });
             let better = best
                 .as_ref()
                 .is_none_or(|(.., found)| tally.is_better_than(found));
@@ -279,10 +279,10 @@ pub(super) fn order_of_events(case: &Case) -> Option<Diagnosis> {
         squares.sum::<f64>().sqrt()
     };
     let found = ORDERS.map(|(order, words)| {
-        let tally = Tally::of(pixels.iter().map(|&i| {
+        let tally = Tally::of_pixels(&pixels, |i| {
             let (r, c) = (event(&r_time, &r, i), event(&c_time, &c, i));
-            [distance(c, r), distance(c, order.map(|k| r[k]))]
-        }));
+            Some([distance(c, r), distance(c, order.map(|k| r[k]))])
+        });
         (tally, words)
     });
     let explaining = found.into_iter().filter(|(tally, _)| tally.explains(0.0));
@@ -422,11 +422,11 @@ pub(super) fn texture(case: &Case) -> Option<Diagnosis> {
     ];
     let pixels = case.pixels();
     turns.into_iter().find_map(|(words, turn)| {
-        let tally = Tally::of(pixels.iter().map(|&i| {
+        let tally = Tally::of_pixels(&pixels, |i| {
             let ([u, v], [a, b]) = (r.map(|p| p.at(i)), c.map(|p| p.at(i)));
             let [x, y] = turn(u, v);
-            [libm::hypot(a - u, b - v), libm::hypot(a - x, b - y)]
-        }));
+            Some([libm::hypot(a - u, b - v), libm::hypot(a - x, b - y)])
+        });
         // Coordinates that are off by less than a twentieth are not flipped.
         tally.explains(0.05).then(|| Diagnosis {
             kind: Kind::TextureFlipped,

@@ -4,9 +4,13 @@
 //! usual ones have one free parameter, the exposure before them; any other is fitted as a polyline over ln r. The fit must leave next to
 //! nothing, and the light must have enough different values.
 
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+
 use super::light::{
-    FAR_LESS, Fit, LEFT_BESIDE_A_FACTOR, Lit, NOTABLE, NOTHING, decoded, distance, evidence, fit,
-    left_by_one_factor, lit, lit_above, middle,
+    FAR_LESS, Fit, LEFT_BESIDE_A_FACTOR, Lit, LitPixels, NOTABLE, NOTHING, decoded, distance,
+    evidence, lit, lit_above, middle,
 };
 use super::{Case, Diagnosis, Kind, median};
 use crate::colour::srgb_encode;
@@ -41,11 +45,17 @@ const NOTABLE_OFFSET: f64 = 0.003;
 /// The largest fraction of the squared error that an added number may leave: one percent noise, if it is a tenth of the light.
 const LEFT_BY_OFFSET: f64 = 0.02;
 
+/// Whether the reference's light has at least `wanted` different values; those of some pixels are counted first.
+fn has_levels(lit: &LitPixels, wanted: usize) -> bool {
+    levels(&lit.few) >= wanted || levels(&lit.pixels) >= wanted
+}
+
 /// The number of different values of the reference's light.
 fn levels(lit: &[Lit]) -> usize {
     let mut counts = std::collections::BTreeMap::<i64, usize>::new();
+    let per_level = libm::log(LEVEL);
     for v in lit.iter().flat_map(|(_, [r, _])| *r).filter(|v| *v > 0.0) {
-        let level = (libm::log(v) / libm::log(LEVEL)).floor() as i64;
+        let level = (libm::log(v) / per_level).floor() as i64;
         *counts.entry(level).or_default() += 1;
     }
     counts
@@ -60,14 +70,19 @@ fn offset(case: &Case) -> Option<Explanation> {
     let lit = lit_above(case, f64::NEG_INFINITY)?;
     let cut = |c: &[f64; 3]| c.contains(&0.0);
     let lit: Vec<Lit> = lit.into_iter().filter(|(_, [_, c])| !cut(c)).collect();
-    (levels(&lit) >= LEVELS_FOR_OFFSET).then_some(())?;
-    let added = lit
-        .iter()
-        .flat_map(|(_, [r, c])| [0, 1, 2].map(|k| c[k] - r[k]));
-    let added = median(added.collect())?;
-    let fit = fit(&lit, |_, r| r.map(|v| v + added));
+    let lit = LitPixels::of(lit);
+    has_levels(&lit, LEVELS_FOR_OFFSET).then_some(())?;
+    let added = |lit: &[Lit]| {
+        let added = lit.iter();
+        let added = added.flat_map(|(_, [r, c])| [0, 1, 2].map(|k| c[k] - r[k]));
+        median(added.collect())
+    };
+    let about = added(&lit.few)?;
+    lit.may_fit(|_, r| r.map(|v| v + about)).then_some(())?;
+    let added = added(&lit.pixels)?;
+    let fit = lit.fit(|_, r| r.map(|v| v + added));
     (fit.explains_from(NOTABLE_OFFSET) && fit.left <= LEFT_BY_OFFSET).then(|| {
-        let usual = middle(&lit) / 3f64.sqrt();
+        let usual = middle(&lit.pixels) / 3f64.sqrt();
         let what = format!(
             "light has {added:+.6} added to it, uniformly: {:+.2} % of the reference's median",
             100.0 * added / usual
@@ -142,8 +157,6 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 /// The name of a curve, its parameters, and how well it explains the light.
 type Explained = (String, Vec<(&'static str, f64)>, Fit);
 
-/// The most pixels used to fit the free parameter.
-const ASKED: usize = 2048;
 /// Exposures to try: their number, and the range of the logarithm of the factor on the median of light.
 const EXPOSURES: usize = 33;
 const RANGE: f64 = 7.0;
@@ -158,40 +171,54 @@ fn toned(case: &Case) -> Option<Explanation> {
         true => lit.into_iter().filter(|(_, [_, c])| !cut(c)).collect(),
         false => lit,
     };
-    let most = FAR_LESS * left_by_one_factor(case, &lit);
-    let lit = decoded(case, &lit);
-    let levels = levels(&lit);
-    if levels < LEVELS_FOR_EXPOSURE || fit(&lit, |_, r| r).tally.error() <= NOTABLE {
+    let lit = LitPixels::of(lit);
+    let most = FAR_LESS * lit.left_by_one_factor(case);
+    let of_codes = match decoded(case, &lit.pixels) {
+        Cow::Owned(decoded) => Some(LitPixels::of(decoded)),
+        Cow::Borrowed(_) => None,
+    };
+    let lit = of_codes.unwrap_or(lit);
+    if !has_levels(&lit, LEVELS_FOR_EXPOSURE) || lit.fit(|_, r| r).tally.error() <= NOTABLE {
         return None;
     }
-    let few: Vec<Lit> = lit.iter().copied().step_by(lit.len() / ASKED + 1).collect();
-    let usual = middle(&lit) / 3f64.sqrt();
+    let usual = middle(&lit.pixels) / 3f64.sqrt();
+    let curves = CURVES.into_iter();
+    let curves =
+        curves.flat_map(|(name, curve)| [false, true].map(|encoded| (name, curve, encoded)));
+    let fitted = curves
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .map(|(name, curve, encoded)| {
+            let exposure = exposure(&lit.few, curve, encoded) / usual;
+            (name, curve, encoded, exposure)
+        });
     let mut best: Option<Explained> = None;
-    for (name, curve) in CURVES {
-        for encoded in [false, true] {
-            let exposure = exposure(&few, curve, encoded) / usual;
-            let fit = fit(&lit, |_, r| curve.of(r, exposure, encoded));
-            if best
-                .as_ref()
-                .is_none_or(|(.., found)| fit.left < found.left)
-            {
-                let encoded = if encoded {
-                    ", encoded for a display"
-                } else {
-                    ""
-                };
-                let words = format!(
-                    "light is tone-mapped by {name}{encoded}, of {exposure:.4} times the reference's light"
-                );
-                best = Some((words, vec![("exposure", exposure)], fit));
-            }
+    for (name, curve, encoded, exposure) in fitted.collect::<Vec<_>>() {
+        let of = |_, r: [f64; 3]| curve.of(r, exposure, encoded);
+        if !lit.may_fit(of) {
+            continue;
+        }
+        let fit = lit.fit(of);
+        if best
+            .as_ref()
+            .is_none_or(|(.., found)| fit.left < found.left)
+        {
+            let encoded = if encoded {
+                ", encoded for a display"
+            } else {
+                ""
+            };
+            let words = format!(
+                "light is tone-mapped by {name}{encoded}, of {exposure:.4} times the reference's light"
+            );
+            best = Some((words, vec![("exposure", exposure)], fit));
         }
     }
     let is_one = |fit: &Fit| fit.explains() && fit.left <= LEFT_BESIDE_A_FACTOR.min(most);
     let best = best.filter(|(.., fit)| is_one(fit));
     // An arbitrary curve has more freedom: try it last.
     let found = best.or_else(|| {
-        (levels >= LEVELS_FOR_CURVE).then_some(())?;
+        has_levels(&lit, LEVELS_FOR_CURVE).then_some(())?;
         any(&lit).filter(|(.., fit)| is_one(fit))
     });
     let (what, sizes, fit) = found?;
@@ -276,30 +303,46 @@ impl Polygon {
     }
 }
 
+/// The curve of each channel through the medians of these pixels.
+fn of_channels(lit: &[Lit]) -> Option<Polygon> {
+    let pairs = lit.iter();
+    let pairs = pairs.flat_map(|(_, [r, c])| [0, 1, 2].map(|k| [r[k], c[k]]));
+    Polygon::of(&pairs.collect::<Vec<_>>()).filter(Polygon::rises)
+}
+
+/// The same of luminance.
+fn of_luminance(lit: &[Lit]) -> Option<Polygon> {
+    let pairs = lit.iter();
+    let pairs = pairs.map(|(_, [r, c])| [luminance(*r), luminance(*c)]);
+    Polygon::of(&pairs.collect::<Vec<_>>()).filter(Polygon::rises)
+}
+
 /// Any curve, of channels or of luminance.
-fn any(lit: &[Lit]) -> Option<Explained> {
-    let pairs = lit
-        .iter()
-        .flat_map(|(_, [r, c])| [0, 1, 2].map(|k| [r[k], c[k]]));
-    let of_channels = Polygon::of(&pairs.collect::<Vec<_>>()).filter(Polygon::rises);
-    let sum = |light: &[f64; 3]| luminance(*light);
-    let pairs = lit.iter().map(|(_, [r, c])| [sum(r), sum(c)]);
-    let of_luminance = Polygon::of(&pairs.collect::<Vec<_>>()).filter(Polygon::rises);
-    let by_channels = of_channels.map(|curve| {
-        let fit = fit(lit, |_, r| r.map(|v| curve.at(v)));
-        ("each channel", curve, fit)
-    });
-    let by_luminance = of_luminance.map(|curve| {
-        let fit = fit(lit, |_, r| {
-            let y = luminance(r);
-            r.map(|v| v * curve.at(y) / y)
-        });
-        ("luminance", curve, fit)
-    });
+fn any(lit: &LitPixels) -> Option<Explained> {
+    let by_channels = |curve: &Polygon, r: [f64; 3]| r.map(|v| curve.at(v));
+    let by_luminance = |curve: &Polygon, r: [f64; 3]| {
+        let y = luminance(r);
+        r.map(|v| v * curve.at(y) / y)
+    };
+    // The curve through some of the pixels tells whether one through all of them may explain the light.
+    let fitted = |of: fn(&[Lit]) -> Option<Polygon>,
+                  by: &(dyn Fn(&Polygon, [f64; 3]) -> [f64; 3] + Sync)| {
+        if let Some(about) = of(&lit.few) {
+            lit.may_fit(|_, r| by(&about, r)).then_some(())?;
+        }
+        let curve = of(&lit.pixels)?;
+        let fit = lit.fit(|_, r| by(&curve, r));
+        Some((curve, fit))
+    };
+    let by_channels = fitted(of_channels, &by_channels);
+    let by_channels = by_channels.map(|(curve, fit)| ("each channel", curve, fit));
+    let by_luminance = fitted(of_luminance, &by_luminance);
+    let by_luminance = by_luminance.map(|(curve, fit)| ("luminance", curve, fit));
     let both = by_channels.into_iter().chain(by_luminance);
     let (of, curve, fit) = both.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
     // At the median light, and at the brightest tenth.
-    let mut values: Vec<f64> = lit.iter().map(|(_, [r, _])| luminance(*r)).collect();
+    let pixels = lit.pixels.iter();
+    let mut values: Vec<f64> = pixels.map(|(_, [r, _])| luminance(*r)).collect();
     values.sort_by(f64::total_cmp);
     let [usual, bright] =
         [0.5, 0.9].map(|part| values[(part * (values.len() - 1) as f64) as usize]);

@@ -59,11 +59,11 @@ fn distance(case: &Case) -> Option<Diagnosis> {
             .filter(|s| s.is_finite())
             .collect(),
     )?;
-    let tally = |h: &dyn Fn(usize) -> Option<f64>| {
-        Tally::of(pixels.iter().filter_map(|&i| {
+    let tally = |h: &(dyn Fn(usize) -> Option<f64> + Sync)| {
+        Tally::of_pixels(&pixels, |i| {
             let c = c.at(i);
             Some([(c - r.at(i)).abs(), (c - h(i)?).abs()])
-        }))
+        })
     };
     // Quantities without free parameters, and their negatives.
     let mut best: Option<(String, Tally)> = None;
@@ -192,13 +192,13 @@ fn time(case: &Case) -> Option<Diagnosis> {
         .take(3)
         .enumerate()
         .filter_map(|(k, meaning)| {
-            let tally = Tally::of(pixels.iter().filter_map(|&i| {
+            let tally = Tally::of_pixels(&pixels, |i| {
                 let way = meanings(case, i, (shot - r.at(i)) / index)?[k];
                 Some([
                     (c.at(i) - r.at(i)).abs(),
                     (c.at(i) - (shot - index * way)).abs(),
                 ])
-            }));
+            });
             tally.explains(NOTABLE * usual).then_some((meaning, tally))
         });
     let (meaning, tally) = tallies.reduce(|a, b| match b.1.is_better_than(&a.1) {

@@ -23,7 +23,10 @@ const WORLD: &str = "the world's";
 pub(super) const VIEW: &str = "coordinates along the camera's own axes (right, up, backwards)";
 
 /// The name of the coordinates, and a pixel's vector in them.
-pub(super) type Hypothesis<'a> = (&'static str, Box<dyn Fn(usize) -> Option<DVec3> + 'a>);
+pub(super) type Hypothesis<'a> = (
+    &'static str,
+    Box<dyn Fn(usize) -> Option<DVec3> + Sync + 'a>,
+);
 
 /// The hypothesis that best explains the candidate's vectors, if one explains most of their error and this is at least `notable` times
 /// their rms length.
@@ -37,10 +40,10 @@ pub(super) fn best(
     let lengths = pixels.iter().map(|i| place(&r, *i).length());
     let scale = median(lengths.filter(|l| l.is_finite()).collect())?;
     let tallies = hypotheses.into_iter().filter_map(|(words, of)| {
-        let tally = Tally::of(pixels.iter().filter_map(|&i| {
+        let tally = Tally::of_pixels(pixels, |i| {
             let c = place(&c, i);
             Some([(c - place(&r, i)).length(), (c - of(i)?).length()])
-        }));
+        });
         tally.explains(notable * scale).then_some((words, tally))
     });
     let (words, tally) = tallies.reduce(|a, b| match b.1.is_better_than(&a.1) {
@@ -184,13 +187,13 @@ pub(super) fn weights(case: &Case) -> Option<Diagnosis> {
     let words = ["first", "second", "third"];
     let orders = [[2, 1], [0, 1], [1, 0], [0, 2], [2, 0]];
     orders.into_iter().find_map(|order: [usize; 2]| {
-        let tally = Tally::of(pixels.iter().map(|&i| {
+        let tally = Tally::of_pixels(&pixels, |i| {
             let [r, c] = [r, c].map(|planes| planes.map(|plane| plane.at(i)));
             let all = [1.0 - r[0] - r[1], r[0], r[1]];
             let [r, c] = [r, c].map(DVec2::from_array);
             let turned = DVec2::from_array(order.map(|corner| all[corner]));
-            [(c - r).length(), (c - turned).length()]
-        }));
+            Some([(c - r).length(), (c - turned).length()])
+        });
         tally.explains(0.05).then(|| Diagnosis {
             kind: Kind::WeightsExchanged,
             what: format!(

@@ -11,8 +11,16 @@
 //!
 //! by least squares over pixels where the candidate's own W is right; a is the additional exposure.
 
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+
 use super::super::picture::{Encoding, Plane, RADIANCE};
-use super::{Case, Diagnosis, FEWEST, Kind, MOST, Tally, median};
+use super::{
+    ASKED, Case, Diagnosis, FEWEST, FEWEST_ASKED, Kind, MOST, NEAR, PROMISING, Tally, median,
+    spread,
+};
 use crate::colour::{srgb_decode, srgb_encode};
 use crate::render::aov::Aov;
 
@@ -20,19 +28,80 @@ use crate::render::aov::Aov;
 pub(super) type Lit = (usize, [[f64; 3]; 2]);
 
 /// A test of one hypothesis on the light; returns the fraction of the squared error that it leaves, too.
-type Hypothesis = fn(&Case, &[Lit]) -> Option<(Diagnosis, f64)>;
+type Hypothesis = fn(&Case, &LitPixels) -> Option<(Diagnosis, f64)>;
 
 /// The mistake of the light, and the fraction of its squared error that this leaves.
 pub(super) fn light(case: &Case) -> Option<(Diagnosis, f64)> {
-    let lit = lit(case)?;
+    let lit = LitPixels::of(lit(case)?);
     let first: [Hypothesis; 3] = [black, codes, clipped];
     let named: [Hypothesis; 5] = [colours, gamma, encoded_and_scaled, exponent, exposure];
     let test = |named: &[Hypothesis]| named.iter().find_map(|hypothesis| hypothesis(case, &lit));
     // If one factor leaves nothing there is nothing else to explain.
-    test(&first).or_else(|| match left_by_one_factor(case, &lit) <= NOTHING {
+    test(&first).or_else(|| match lit.left_by_one_factor(case) <= NOTHING {
         true => exposure(case, &lit),
         false => test(&named),
     })
+}
+
+/// The light of pixels, with what the tests of all hypotheses need.
+pub(super) struct LitPixels {
+    pub pixels: Vec<Lit>,
+    scales: Scales,
+    /// The rms error, relative to the light.
+    usual: f64,
+    /// Some of the pixels, from all over the picture.
+    pub few: Vec<Lit>,
+    /// What one factor leaves, once it has been asked for.
+    by_one_factor: OnceLock<f64>,
+}
+
+impl LitPixels {
+    pub fn of(pixels: Vec<Lit>) -> LitPixels {
+        let scales = Scales::of(&pixels);
+        let errors = pixels
+            .par_iter()
+            .map(|&(_, [r, c])| scales.distances(c, r, r)[0]);
+        let errors: Vec<f64> = errors.collect();
+        let (squares, count) = (errors.iter().filter(|error| error.is_finite()))
+            .fold((0.0, 0usize), |(sum, n), e| (sum + e * e, n + 1));
+        let few = spread(pixels.len(), ASKED).map(|at| pixels[at]).collect();
+        LitPixels {
+            scales,
+            usual: (squares / count.max(1) as f64).sqrt(),
+            few,
+            pixels,
+            by_one_factor: OnceLock::new(),
+        }
+    }
+
+    /// The fraction of the squared error that one factor on linear light leaves.
+    pub fn left_by_one_factor(&self, case: &Case) -> f64 {
+        *self.by_one_factor.get_or_init(|| {
+            let lit = decoded(case, &self.pixels);
+            // Completely black light determines no factor.
+            let factor = factor(&lit, |c| c).filter(|factor| *factor > 0.0);
+            factor.map_or(1.0, |factor| fit(&lit, |_, r| r.map(|v| factor * v)).left)
+        })
+    }
+
+    /// How well a hypothesis explains the light.
+    pub fn fit(&self, h: impl Fn(usize, [f64; 3]) -> [f64; 3] + Sync) -> Fit {
+        self.scales.fit(&self.pixels, h)
+    }
+
+    /// Whether a hypothesis may explain the light, by some of the pixels.
+    pub fn may_fit(&self, h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> bool {
+        let (mut notable, mut explained) = (0, 0);
+        for &(i, [r, c]) in &self.few {
+            let [error, rest] = self.scales.distances(c, r, h(i, r));
+            // As in `Tally`.
+            if (error + rest).is_finite() && error.max(rest) > NEAR * self.usual {
+                notable += 1;
+                explained += usize::from(rest <= NEAR * error.max(self.usual));
+            }
+        }
+        notable < FEWEST_ASKED || explained as f64 >= PROMISING * notable as f64
+    }
 }
 
 /// The fraction of the squared error that is left if a hypothesis explains everything except rounding to single precision.
@@ -41,21 +110,14 @@ pub(super) const NOTHING: f64 = 1e-6;
 pub(super) const FAR_LESS: f64 = 0.1;
 
 /// Linear light; for pictures of codes, only pixels where neither has the largest code, which represents all light above.
-pub(super) fn decoded(case: &Case, lit: &[Lit]) -> Vec<Lit> {
+pub(super) fn decoded<'a>(case: &Case, lit: &'a [Lit]) -> Cow<'a, [Lit]> {
     if case.pair[0].encoding == Encoding::Linear {
-        return lit.to_vec();
+        return lit.into();
     }
     let inside = |(_, pair): &&Lit| pair.iter().flatten().all(|v| *v < 1.0 - CLIPPED);
     let decode = |(i, pair): &Lit| (*i, pair.map(|light| light.map(srgb_decode)));
-    lit.iter().filter(inside).map(decode).collect()
-}
-
-/// The fraction of the squared error that one factor on linear light leaves.
-pub(super) fn left_by_one_factor(case: &Case, lit: &[Lit]) -> f64 {
-    let lit = decoded(case, lit);
-    // Completely black light determines no factor.
-    let factor = factor(&lit, |c| c).filter(|factor| *factor > 0.0);
-    factor.map_or(1.0, |factor| fit(&lit, |_, r| r.map(|v| factor * v)).left)
+    let decoded: Vec<Lit> = lit.par_iter().filter(inside).map(decode).collect();
+    decoded.into()
 }
 
 /// Values closer to 1 than this are clipped: an encoded 1 has rounding errors.
@@ -82,16 +144,14 @@ pub(super) fn lit_and_dark(case: &Case) -> Option<Vec<Lit>> {
 fn with_light(
     case: &Case,
     least: f64,
-    is_wanted: impl Fn(&[[f64; 3]; 2]) -> bool,
+    is_wanted: impl Fn(&[[f64; 3]; 2]) -> bool + Sync,
 ) -> Option<Vec<Lit>> {
     let [r, c] = case
         .pair
         .map(|picture| Plane::group(&picture.layers, RADIANCE));
     let (r, c) = (r?, c?);
-    let pixels = case
-        .of_same_object()
-        .into_iter()
-        .map(|i| (i, [&r, &c].map(|p| p.map(|p| p.at(i)))));
+    let pixels = case.of_same_object().into_par_iter();
+    let pixels = pixels.map(|i| (i, [&r, &c].map(|p| p.map(|p| p.at(i)))));
     let is_lit = |(_, pair): &Lit| {
         let [r, c] = pair;
         let is_light = |v: &f64, least: f64| v.is_finite() && *v >= least;
@@ -122,8 +182,12 @@ const FAR_BRIGHTER: f64 = 1e3;
 
 /// The median of the reference's light.
 pub(super) fn middle(lit: &[Lit]) -> f64 {
-    let sizes = lit.iter().map(|(_, [r, _])| distance(*r, [0.0; 3]));
+    let sizes = lit.par_iter().map(|(_, [r, _])| length(*r));
     median(sizes.collect()).unwrap_or(0.0)
+}
+
+fn length(light: [f64; 3]) -> f64 {
+    distance(light, [0.0; 3])
 }
 
 /// How well a hypothesis explains the light.
@@ -149,38 +213,75 @@ impl Fit {
     }
 }
 
-/// |c − r| and |c − h(r)| relative to the reference's light, so that bright pixels do not dominate. If both c and h are far darker than r,
-/// |c − h| is measured relative to them, as |c − r| is relative to r: otherwise any hypothesis of nearly black light would fit.
-pub(super) fn fit(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Fit {
-    let middle = middle(lit);
-    let length = |light: [f64; 3]| distance(light, [0.0; 3]);
-    let bright = median(lit.iter().map(|(_, [_, c])| length(*c)).collect());
-    let darkest = BLACK * bright.map_or(middle, |bright| bright.min(middle));
-    let tally = Tally::of(lit.iter().map(|&(i, [r, c])| {
-        let size = length(r).max(BLACK * middle);
-        let h = h(i, r);
+/// How well a hypothesis explains the light.
+pub(super) fn fit(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3] + Sync) -> Fit {
+    Scales::of(lit).fit(lit, h)
+}
+
+/// The light with which errors are compared.
+struct Scales {
+    /// The median of the reference's light.
+    middle: f64,
+    /// Light that is practically black in either picture.
+    darkest: f64,
+    /// The light that is compressed to a half.
+    half: f64,
+}
+
+/// The number of pixels that are summed at a time: sums do not depend on the number of threads.
+const SUMMED: usize = 1 << 14;
+
+impl Scales {
+    fn of(lit: &[Lit]) -> Scales {
+        let middle = middle(lit);
+        let bright = median(lit.par_iter().map(|(_, [_, c])| length(*c)).collect());
+        // All far brighter light would compress to the same value: then its own median is the measure.
+        let far = bright.filter(|bright| *bright > FAR_BRIGHTER * middle);
+        Scales {
+            middle,
+            darkest: BLACK * bright.map_or(middle, |bright| bright.min(middle)),
+            half: far.unwrap_or(middle),
+        }
+    }
+
+    /// |c − r| and |c − h(r)| relative to the reference's light, so that bright pixels do not dominate. If both c and h are far darker
+    /// than r, |c − h| is measured relative to them, as |c − r| is relative to r: otherwise any hypothesis of nearly black light would fit.
+    fn distances(&self, c: [f64; 3], r: [f64; 3], h: [f64; 3]) -> [f64; 2] {
+        let size = length(r).max(BLACK * self.middle);
         let (error, rest) = (distance(c, r), distance(c, h));
-        let larger = length(c).max(length(h)).max(darkest);
+        let larger = length(c).max(length(h)).max(self.darkest);
         let darker = if rest > 0.0 { error / larger } else { 1.0 };
         [error / size, rest / size * darker.max(1.0)]
-    }));
-    // All far brighter light would compress to the same value: then its own median is the measure.
-    let scale = bright.filter(|bright| *bright > FAR_BRIGHTER * middle);
-    let scale = scale.unwrap_or(middle);
-    let compressed = |light: [f64; 3]| light.map(|v| v / (v.abs() + scale));
-    let square = |a, b| {
-        let d = distance(compressed(a), compressed(b));
-        d * d
-    };
-    let [mut is, mut was] = [0.0; 2];
-    for &(i, [r, c]) in lit {
-        was += square(c, r);
-        is += square(c, h(i, r));
     }
-    Fit {
-        tally,
-        pixels: lit.len(),
-        left: is / was,
+
+    fn fit(&self, lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3] + Sync) -> Fit {
+        let compressed = |light: [f64; 3]| light.map(|v| v / (v.abs() + self.half));
+        let square = |a, b| {
+            let d = distance(compressed(a), compressed(b));
+            d * d
+        };
+        let (mut distances, mut sums) = (Vec::new(), Vec::new());
+        let part = |pixels: &[Lit]| {
+            let (mut of, mut is, mut was) = (Vec::with_capacity(pixels.len()), 0.0, 0.0);
+            for &(i, [r, c]) in pixels {
+                let h = h(i, r);
+                of.push(self.distances(c, r, h));
+                was += square(c, r);
+                is += square(c, h);
+            }
+            (of, [is, was])
+        };
+        lit.par_chunks(SUMMED)
+            .map(part)
+            .unzip_into_vecs(&mut distances, &mut sums);
+        let [is, was] = sums
+            .into_iter()
+            .fold([0.0; 2], |[a, b], [is, was]| [a + is, b + was]);
+        Fit {
+            tally: Tally::of(distances.into_iter().flatten()),
+            pixels: lit.len(),
+            left: is / was,
+        }
     }
 }
 
@@ -188,13 +289,10 @@ pub(super) fn fit(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Fit {
 pub(super) const LEFT_BESIDE_A_FACTOR: f64 = 0.003;
 
 /// The most common factor on the sum of the channels.
-fn factor(lit: &[Lit], of: impl Fn([f64; 3]) -> [f64; 3]) -> Option<f64> {
+fn factor(lit: &[Lit], of: impl Fn([f64; 3]) -> [f64; 3] + Sync) -> Option<f64> {
     let sum = |light: [f64; 3]| light.iter().sum::<f64>();
-    median(
-        lit.iter()
-            .map(|(_, [r, c])| sum(of(*c)) / sum(*r))
-            .collect(),
-    )
+    let factors = lit.par_iter().map(|(_, [r, c])| sum(of(*c)) / sum(*r));
+    median(factors.collect())
 }
 
 /// Describes a factor in addition to a mistake.
@@ -215,7 +313,7 @@ fn in_words(factor: f64) -> String {
 const DARK: f64 = 1e-3;
 
 /// A picture with next to no light: what little there is does not show why, unless it is one factor on all of it.
-fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+fn black(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     let [r, c] = case.pair.map(|p| Plane::group(&p.layers, RADIANCE));
     let (r, c) = (r?, c?);
     // All light, wherever it is: misplaced light is another mistake.
@@ -234,7 +332,7 @@ fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         };
         let what = format!(
             "the picture is black, or nearly: it has {light} of the reference's light, which shows some at {} pixels",
-            lit.len()
+            lit.pixels.len()
         );
         let evidence = vec![("part of the reference's light", part)];
         let kind = Kind::Exposure;
@@ -252,15 +350,16 @@ const LEFT_BY_BLACK: f64 = 0.1;
 const LARGEST_CODES: [f64; 2] = [255.0, 65535.0];
 
 /// Light stored as integer codes.
-fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+fn codes(_: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
+    let pixels = &lit.pixels;
     let are_whole = |which: usize| {
-        let mut values = lit.iter().flat_map(|(_, pair)| pair[which]);
+        let mut values = pixels.iter().flat_map(|(_, pair)| pair[which]);
         values.all(|v| v.fract() == 0.0)
     };
-    let largest = lit.iter().flat_map(|(_, [_, c])| *c).fold(0.0, f64::max);
+    let largest = pixels.iter().flat_map(|(_, [_, c])| *c).fold(0.0, f64::max);
     let bound = LARGEST_CODES.into_iter().find(|bound| largest <= *bound)?;
     (largest > 1.0 && are_whole(1) && !are_whole(0)).then_some(())?;
-    let found = fit(lit, |_, r| r);
+    let found = lit.fit(|_, r| r);
     (found.tally.error() > NOTABLE).then(|| {
         let what = format!(
             "light is in whole numbers up to {largest}: {}-bit codes, not linear light. Divide by {bound}, and decode what is encoded for a display",
@@ -274,18 +373,20 @@ fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
 }
 
 /// Light that is clipped elsewhere than at 1, where displays clip.
-fn clipped(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+fn clipped(_: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
+    let pixels = &lit.pixels;
     let most = |which: usize| {
-        let values = lit.iter().flat_map(|(_, pair)| pair[which]);
+        let values = pixels.iter().flat_map(|(_, pair)| pair[which]);
         values.fold(0.0, f64::max)
     };
     let [right, bound] = [0, 1].map(most);
     (bound > 0.0 && right > bound * (1.0 + NOTABLE)).then_some(())?;
     let at_bound = |(_, [r, c]): &&Lit| (0..3).any(|k| c[k] == bound && r[k] > bound);
-    let count = lit.iter().filter(at_bound).count();
-    let fit = fit(lit, |_, r| r.map(|v| v.min(bound)));
+    let count = pixels.iter().filter(at_bound).count();
+    (count >= FEWEST).then_some(())?;
+    let fit = lit.fit(|_, r| r.map(|v| v.min(bound)));
     let is_exact = fit.tally.share() >= MOST && fit.left <= LEFT_BESIDE_A_FACTOR;
-    let is_clip = count >= FEWEST && (is_exact || is_level(lit, bound));
+    let is_clip = is_exact || is_level(pixels, bound);
     is_clip.then(|| {
         let what = format!("light is clipped at {bound:.4}: the reference's is up to {right:.4}");
         let evidence = [("pixels at the bound", count as f64)];
@@ -339,7 +440,7 @@ pub(super) fn evidence(tally: &Tally) -> Vec<(&'static str, f64)> {
     ]
 }
 
-fn colours(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+fn colours(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     let orders = [
         ([2, 1, 0], "BGR"),
         ([0, 2, 1], "RBG"),
@@ -347,31 +448,37 @@ fn colours(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         ([1, 2, 0], "GBR"),
         ([2, 0, 1], "BRG"),
     ];
-    best_order(case, lit, &orders, 1.0, LEFT).or_else(|| {
-        let factor = factor(lit, |c| c)?;
-        let left = fit(lit, |_, r| r.map(|v| factor * v)).left;
-        let left = (0.1 * left).min(LEFT_BESIDE_A_FACTOR);
+    best_order(case, lit, &orders, 1.0, &|| LEFT).or_else(|| {
+        let factor = factor(&lit.pixels, |c| c)?;
         (factor > DARK).then_some(())?;
-        best_order(case, lit, &orders, factor, left)
+        let left = || {
+            let left = lit.fit(|_, r| r.map(|v| factor * v)).left;
+            (0.1 * left).min(LEFT_BESIDE_A_FACTOR)
+        };
+        best_order(case, lit, &orders, factor, &left)
     })
 }
 
-/// The order of channels that best explains the light, times `factor`, if it leaves at most `most`.
+/// The order of channels that best explains the light, times `factor`, if it leaves at most `most()`.
 fn best_order(
     case: &Case,
-    lit: &[Lit],
+    lit: &LitPixels,
     orders: &[([usize; 3], &'static str)],
     factor: f64,
-    most: f64,
+    most: &dyn Fn() -> f64,
 ) -> Option<(Diagnosis, f64)> {
     // If most of the light is grey, or nearly grey, other orders explain it too, but not all of it.
     let mut best: Option<(&str, Fit)> = None;
     for (order, name) in orders {
-        let fit = fit(lit, |_, r| order.map(|k: usize| factor * r[k]));
+        let of = |_, r: [f64; 3]| order.map(|k: usize| factor * r[k]);
+        if !lit.may_fit(of) {
+            continue;
+        }
+        let fit = lit.fit(of);
         let better = best
             .as_ref()
             .is_none_or(|(_, found)| fit.tally.is_better_than(&found.tally));
-        if fit.explains() && fit.left <= most && better {
+        if fit.explains() && fit.left <= most() && better {
             best = Some((name, fit));
         }
     }
@@ -382,7 +489,7 @@ fn best_order(
             true => format!("colours are exchanged: the channels R, G, B hold {name}"),
             false => format!(
                 "colours are exchanged: the channels R, G, B hold {name}{}",
-                beside(self::factor(&decoded(case, lit), |c| c).unwrap_or(factor))
+                beside(self::factor(&decoded(case, &lit.pixels), |c| c).unwrap_or(factor))
             ),
         }
         .into(),
@@ -392,7 +499,7 @@ fn best_order(
 }
 
 /// Light that is encoded or decoded once too often, by the curve of sRGB or the power 2.2, whichever fits better.
-fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+fn gamma(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     let is_linear = case.pair[0].encoding == Encoding::Linear;
     let [once_more, once_less] = match is_linear {
         true => [
@@ -411,10 +518,12 @@ fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         (once_less, srgb_decode),
         (once_less, |v| libm::pow(v, 2.2)),
     ];
-    let found = curves.map(|(words, curve)| (words, fit(lit, |_, r| r.map(curve))));
-    let most = FAR_LESS * left_by_one_factor(case, lit);
-    let explaining = found.into_iter();
-    let explaining = explaining.filter(|(_, fit)| fit.explains() && fit.left <= most);
+    let promising = curves
+        .into_iter()
+        .filter(|(_, curve)| lit.may_fit(|_, r| r.map(*curve)));
+    let found = promising.map(|(words, curve)| (words, lit.fit(|_, r| r.map(curve))));
+    let most = FAR_LESS * lit.left_by_one_factor(case);
+    let explaining = found.filter(|(_, fit)| fit.explains() && fit.left <= most);
     let rest = |fit: &Fit| fit.tally.rest();
     let (words, fit) = explaining.min_by(|a, b| rest(&a.1).total_cmp(&rest(&b.1)))?;
     let diagnosis = Diagnosis {
@@ -426,20 +535,24 @@ fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
 }
 
 /// Light that was scaled to the range of a display, and encoded for it.
-fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+fn encoded_and_scaled(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     (case.pair[0].encoding == Encoding::Linear).then_some(())?;
     type Curve = fn(f64) -> f64;
     let curves: [[Curve; 2]; 2] = [
         [srgb_encode, srgb_decode],
         [|v| libm::pow(v, 1.0 / 2.2), |v| libm::pow(v, 2.2)],
     ];
-    let by_factor = left_by_one_factor(case, lit);
     let found = curves.into_iter().filter_map(|[encode, decode]| {
-        let factor = factor(lit, |c| c.map(decode)).filter(|factor| *factor > DARK)?;
-        let fit = fit(lit, |_, r| r.map(|v| encode(factor * v)));
+        let factor_of = |lit: &[Lit]| factor(lit, |c| c.map(decode)).filter(|f| *f > DARK);
+        let about = factor_of(&lit.few)?;
+        lit.may_fit(|_, r| r.map(|v| encode(about * v)))
+            .then_some(())?;
+        let factor = factor_of(&lit.pixels)?;
+        let fit = lit.fit(|_, r| r.map(|v| encode(factor * v)));
         let explains = fit.explains() && fit.left <= LEFT_BESIDE_A_FACTOR;
         // If light has few different values one factor explains much, too.
-        (explains && fit.left <= FAR_LESS * by_factor).then_some((factor, fit))
+        let is_curve = fit.left <= FAR_LESS * lit.left_by_one_factor(case);
+        (explains && is_curve).then_some((factor, fit))
     });
     let (factor, fit) = found.min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
     let diagnosis = Diagnosis {
@@ -457,18 +570,18 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
 /// The distance of codes of 8 bits, with a margin for f32.
 const CODE: f64 = 1.0001 / 255.0;
 
-fn exposure(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
-    let mut lit = decoded(case, lit);
+fn exposure(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
+    let mut lit = decoded(case, &lit.pixels);
     let factor = factor(&lit, |c| c)?;
     if case.pair[0].encoding == Encoding::Srgb {
         // Both were rounded to codes: half a code each.
-        for (_, [r, c]) in &mut lit {
+        lit.to_mut().par_iter_mut().for_each(|(_, [r, c])| {
             let scaled = r.map(|v| factor * v);
             let is_code = |k: usize| (srgb_encode(scaled[k]) - srgb_encode(c[k])).abs() <= CODE;
             if (0..3).all(is_code) {
                 *c = scaled;
             }
-        }
+        });
     }
     let fit = fit(&lit, |_, r| r.map(|v| factor * v));
     (factor > 0.0 && fit.explains()).then(|| {
@@ -495,14 +608,14 @@ const NOTABLE_EXPONENT: f64 = 0.2;
 const SPREAD: f64 = 0.01;
 const W_IS_RIGHT: f64 = 1e-3;
 
-fn exponent(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+fn exponent(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     let [w_r, w_c] = case
         .pair
         .map(|p| Plane::aov(&p.layers, Aov::WavelengthRatio));
     let w_r = w_r?;
     let sum = |light: &[f64; 3]| light.iter().sum::<f64>();
     let (mut points, mut wrong) = (Vec::new(), 0usize);
-    for (i, [r, c]) in lit {
+    for (i, [r, c]) in &lit.pixels {
         let (ratio, w) = (sum(c) / sum(r), w_r.at(*i));
         if ratio > 0.0 && w > 0.0 && (ratio + w).is_finite() {
             points.push([libm::log(w), libm::log(ratio)]);

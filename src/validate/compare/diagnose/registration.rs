@@ -208,9 +208,8 @@ fn compressed(case: &Case) -> Option<[Light; 2]> {
     let [r, c] = case.pair.map(|p| Plane::group(&p.layers, RADIANCE));
     let planes = [r?, c?];
     let values = |planes: &[Plane; 3]| -> Vec<[f64; 3]> {
-        (0..width * height)
-            .map(|i| planes.map(|plane| plane.at(i)))
-            .collect()
+        let pixels = (0..width * height).into_par_iter();
+        pixels.map(|i| planes.map(|plane| plane.at(i))).collect()
     };
     let [r, c] = planes.each_ref().map(values);
     let lit = r.iter().flatten().filter(|v| **v > 0.0 && v.is_finite());
@@ -224,7 +223,7 @@ fn compressed(case: &Case) -> Option<[Light; 2]> {
     Some([r, c].map(|colours| Light {
         width,
         height,
-        colours: colours.into_iter().map(|v| v.map(compress)).collect(),
+        colours: colours.into_par_iter().map(|v| v.map(compress)).collect(),
     }))
 }
 
@@ -341,28 +340,52 @@ impl Light {
             .map(|x| libm::exp(-0.5 * (x as f64 / sigma).powi(2)))
             .collect();
         let sum: f64 = weights.iter().sum();
-        let pass = |from: &[[f64; 3]], count: usize, stride: usize| -> Vec<[f64; 3]> {
-            let blur = |i: usize| {
-                let (place, first) = (i / stride % count, i - i / stride % count * stride);
-                let mut mean = [0.0; 3];
-                for (x, weight) in (-reach..=reach).zip(&weights) {
-                    let at = place.saturating_add_signed(x).min(count - 1);
-                    let colour = from[first + at * stride];
-                    (0..3).for_each(|k| mean[k] += weight / sum * colour[k]);
-                }
-                mean
-            };
-            (0..from.len()).map(blur).collect()
+        let weights: Vec<f64> = weights.iter().map(|weight| weight / sum).collect();
+        let (width, height) = (self.width, self.height);
+        // Sums of whole rows of numbers, each times one weight, which are loops for the vector unit.
+        let add = |to: &mut [f64], weight: f64, from: &[f64]| {
+            to.iter_mut()
+                .zip(from)
+                .for_each(|(to, v)| *to += weight * v);
         };
-        let across = pass(&self.colours, self.width, 1);
-        Light {
-            colours: pass(&across, self.height, self.width),
-            ..*self
-        }
+        let across = |row: usize, to: &mut [[f64; 3]]| {
+            let clamped = |x: isize| x.clamp(0, width as isize - 1) as usize;
+            // The row with its ends repeated.
+            let places = -reach..width as isize + reach;
+            let extended: Vec<[f64; 3]> = places
+                .map(|x| self.colours[row * width + clamped(x)])
+                .collect();
+            for (k, weight) in weights.iter().enumerate() {
+                add(to.as_flattened_mut(), *weight, extended[k..].as_flattened());
+            }
+        };
+        let mut rows = vec![[0.0; 3]; self.colours.len()];
+        rows.par_chunks_mut(width.max(1))
+            .enumerate()
+            .for_each(|(row, to)| across(row, to));
+        let mut colours = vec![[0.0; 3]; self.colours.len()];
+        colours
+            .par_chunks_mut(width.max(1))
+            .enumerate()
+            .for_each(|(row, to)| {
+                for (y, weight) in (-reach..=reach).zip(&weights) {
+                    let from = row.saturating_add_signed(y).min(height - 1) * width;
+                    add(
+                        to.as_flattened_mut(),
+                        *weight,
+                        rows[from..][..width].as_flattened(),
+                    );
+                }
+            });
+        Light { colours, ..*self }
     }
 
     /// The blurred picture of a film that shows at each position what this one has at `place` of it, and which pixels lie in this one.
-    fn through(&self, place: impl Fn(DVec2) -> Option<DVec2>, sigma: f64) -> (Light, Vec<bool>) {
+    fn through(
+        &self,
+        place: impl Fn(DVec2) -> Option<DVec2> + Sync,
+        sigma: f64,
+    ) -> (Light, Vec<bool>) {
         let last = self.middle();
         let seen = |i: usize| {
             let place = place(self.place(i));
@@ -371,7 +394,9 @@ impl Light {
             let beside = || self.at(place.unwrap_or_default().clamp(-last, last));
             (found.or_else(beside).unwrap_or_default(), found.is_some())
         };
-        let (colours, inside) = (0..self.colours.len()).map(seen).unzip();
+        let (mut colours, mut inside) = (Vec::new(), Vec::new());
+        let pixels = (0..self.colours.len()).into_par_iter();
+        pixels.map(seen).unzip_into_vecs(&mut colours, &mut inside);
         (Light { colours, ..*self }.blurred(sigma), inside)
     }
 }
@@ -657,7 +682,10 @@ fn strong_direction(m: DMat2) -> DVec2 {
 
 /// The fraction of the squared error that a hypothesis leaves where both films see, and the fraction of the tiles in which it explains
 /// half; `place` maps the candidate's positions to the reference's. `None` if there are too few tiles.
-fn explained([r, c]: &[Light; 2], place: impl Fn(DVec2) -> Option<DVec2>) -> Option<(f64, f64)> {
+fn explained(
+    [r, c]: &[Light; 2],
+    place: impl Fn(DVec2) -> Option<DVec2> + Sync,
+) -> Option<(f64, f64)> {
     let [before, wanted] = [r, c].map(|light| light.blurred(BLUR));
     let (after, inside) = r.through(place, BLUR);
     let mut tiles = vec![[0.0; 3]; TILES * TILES];
@@ -696,7 +724,7 @@ fn boost<'a>(
     case: &Case<'a>,
     scale: f64,
     change: Change,
-) -> Option<impl Fn(DVec2) -> Option<DVec2> + 'a> {
+) -> Option<impl Fn(DVec2) -> Option<DVec2> + Sync + 'a> {
     let known = case.known?;
     let changed = known.changed(change)?;
     let [width, height] = case.points[0].size();

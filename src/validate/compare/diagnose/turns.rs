@@ -14,7 +14,7 @@ use super::super::picture::{Plane, RADIANCE};
 use super::super::points::{Points, place};
 use super::film::{BOTH, LEFT_RIGHT, UP_DOWN};
 use super::registration::Blurred;
-use super::{Case, Diagnosis, Kind, NEAR, light, median};
+use super::{ASKED, Case, Diagnosis, Kind, NEAR, light, median, spread};
 use crate::scene::model::ProjectionKind;
 
 /// A way to mirror, rotate or shift a picture.
@@ -113,9 +113,14 @@ const SAME: f64 = 0.01;
 /// The largest shift to try, pixels.
 const FARTHEST: i64 = 2;
 
+/// The fraction of some pixels that differ, relative to that before the turn, above which a turn is given up: three times what is accepted
+/// for all.
+const MAY_BE: f64 = 3.0 * NEAR;
+
 /// A candidate that is mirrored, rotated, or shifted by whole pixels.
 pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
-    let before = differing(case, Turn::Moved([0, 0]));
+    let all: Vec<usize> = case.region.pixels(case.points[0].size()).collect();
+    let before = differing(case, &all, Turn::Moved([0, 0]));
     if before.part <= ALIKE {
         return None;
     }
@@ -124,15 +129,19 @@ pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
         .clone()
         .flat_map(|dy| steps.clone().map(move |dx| [dx, dy]));
     let moves = moves.filter(|step| *step != [0, 0]).map(Turn::Moved);
-    let tried = mirrors_and_quarters(case)
-        .chain(moves)
-        .map(|turn| (turn, differing(case, turn)));
-    let (turn, after) = tried.min_by(|a, b| a.1.part.total_cmp(&b.1.part))?;
-    match after.part <= NEAR * before.part {
-        true => Some(turn.describe(before, after)),
+    // A turn that leaves more of some pixels than this leaves too much of all.
+    let few: Vec<usize> = spread(all.len(), ASKED).map(|at| all[at]).collect();
+    let may_be = |turn: &Turn| differing(case, &few, *turn).part <= MAY_BE * before.part;
+    let tried = mirrors_and_quarters(case).chain(moves).filter(may_be);
+    let tried = tried.map(|turn| (turn, differing(case, &all, turn)));
+    let best = tried.min_by(|a, b| a.1.part.total_cmp(&b.1.part));
+    match best {
+        Some((turn, after)) if after.part <= NEAR * before.part => {
+            Some(turn.describe(before, after))
+        }
         // Two films that differ by a turn of a panorama are not those of another camera.
-        false if is_panorama(case) => turned_by_light(case).map(|(found, _)| found),
-        false => None,
+        _ if is_panorama(case) => turned_by_light(case).map(|(found, _)| found),
+        _ => None,
     }
 }
 
@@ -188,12 +197,12 @@ fn is_panorama(case: &Case) -> bool {
     is_meant && width == 2 * height
 }
 
-/// The dissimilarity of the pictures after the candidate is turned back.
-fn differing(case: &Case, turn: Turn) -> Unlike {
+/// The dissimilarity of the pictures at these pixels of the reference after the candidate is turned back.
+fn differing(case: &Case, pixels: &[usize], turn: Turn) -> Unlike {
     let [r, c] = &case.points;
     let size = r.size().map(|n| n as i64);
-    let pixels: Vec<[usize; 2]> = (case.region.pixels(r.size()))
-        .filter_map(|i| {
+    let pixels: Vec<[usize; 2]> = (pixels.iter())
+        .filter_map(|&i| {
             let at = [i as i64 % size[0], i as i64 / size[0]];
             Some([i, turn.source(at, size)?])
         })

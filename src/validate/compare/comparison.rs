@@ -163,7 +163,9 @@ pub fn compare(
         None => known::scene_of_picture(reference),
     };
     let mixed = diagnose::mixed::pixels(pair, &points);
+    let lists = diagnose::PixelLists::default();
     let case = diagnose::Case {
+        lists: &lists,
         mixed: &mixed,
         pair,
         points,

@@ -242,7 +242,7 @@ gradient = {}";
 
 #[test]
 fn tiles_in_which_few_samples_find_a_light_reach_the_error_that_was_asked_for() {
-    let films = films_to(0.1, 2000, &glints(4), 32);
+    let films = films_to(0.1, 2000, &glints(4), 16);
     let count = films.len() as f64;
     let of_pixel = |i: usize| {
         let mean = films.iter().map(|film| grey(film, i)).sum::<f64>() / count;

@@ -1,8 +1,10 @@
 //! Mistakes of single channels: indices, axes, units, texture coordinates.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::super::picture::Plane;
 use super::super::points::place;
@@ -110,8 +112,8 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
         let is_length = name != "direction" && name != "normal";
         let scaled = is_length.then(|| scale(case, name, &r, &c)).flatten();
         let pixels = match name == "normal" && found.is_empty() {
-            true => same_places(case),
-            false => pixels_of(case, name),
+            true => same_places(case).into(),
+            false => Cow::Borrowed(pixels_of(case, name)),
         };
         found.extend(scaled.or_else(|| axes(&pixels, name, &r, &c)));
     }
@@ -150,16 +152,16 @@ fn vectors<'a>(case: &Case<'a>) -> [(&'static str, [Planes<'a>; 2]); 4] {
 }
 
 /// The pixels at which a vector of this name is compared.
-fn pixels_of(case: &Case, name: &str) -> Vec<usize> {
+fn pixels_of<'a>(case: &'a Case, name: &str) -> &'a [usize] {
     match name {
-        "direction" => case.region.pixels(case.points[0].size()).collect(),
+        "direction" => case.everywhere(),
         _ => case.pixels(),
     }
 }
 
 /// Pixels known to show the same position in both pictures, because normals differ elsewhere. All pixels if nothing is known.
 pub(super) fn same_places(case: &Case) -> Vec<usize> {
-    let pixels = case.pixels().into_iter();
+    let pixels = case.pixels().par_iter().copied();
     let is_same = |i: &usize| {
         let displaced = case.field.map(|field| field.displacement(*i));
         displaced.is_none_or(|d| d.is_some_and(|d| d.length() <= SAME_PLACE))

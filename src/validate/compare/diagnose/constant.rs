@@ -7,7 +7,7 @@
 use super::super::geometry::Field;
 use super::super::picture::{Picture, Plane, RADIANCE, is_light};
 use super::super::points::Points;
-use super::{Case, Diagnosis, FEWEST, Kind, MOST, diagnose_channels};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, PixelLists, diagnose_channels};
 use crate::render::aov::{Aov, group};
 
 /// The least variation of the reference's numbers, relative to the largest.
@@ -54,7 +54,9 @@ pub(super) fn set_apart(case: &Case) -> Option<Vec<Diagnosis>> {
         .retain(|channel| !is_stuck(&channel.name));
     let points = Points::pair([r, &without.layers]);
     let field = Field::new(&points, case.known);
+    let lists = PixelLists::default();
     let rest = Case {
+        lists: &lists,
         pair: [case.pair[0], &without],
         points,
         field: field.as_ref(),
@@ -79,13 +81,12 @@ fn only_number(case: &Case, name: &str, [r, c]: [Plane; 2]) -> Option<Only> {
     (is_expected && !is_named).then_some(())?;
     let is_object = name == Aov::Object.name();
     let everywhere = is_object || group(name) == group(Aov::DirectionX.name());
-    let pixels: Vec<usize> = match everywhere {
-        true => case.region.pixels(case.points[0].size()).collect(),
+    let pixels = match everywhere {
+        true => case.everywhere(),
         false => case.pixels(),
     };
     // Where both pictures agree there may be one surface, in uniform light.
-    let all: Vec<usize> = case.region.pixels(case.points[0].size()).collect();
-    let number = constant(&c, &all)?;
+    let number = constant(&c, case.everywhere())?;
     let in_reference = || pixels.iter().map(|i| r.at(*i)).filter(|v| v.is_finite());
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     let [low, high] = in_reference().fold(none, |[low, high], v| [low.min(v), high.max(v)]);
@@ -96,7 +97,7 @@ fn only_number(case: &Case, name: &str, [r, c]: [Plane; 2]) -> Option<Only> {
     let is_told = !is_object || number >= 0.0 && low < 0.0;
     let is_clipped = is_light(name) && number == 1.0 && low >= 1.0;
     let is_stuck = varies && is_told && !is_clipped && wrong >= FEWEST;
-    (is_stuck && has_more_constants(case, name, &pixels)).then_some(Only {
+    (is_stuck && has_more_constants(case, name, pixels)).then_some(Only {
         number,
         is_plain: wrong as f64 >= (1.0 - MOST) * pixels.len() as f64,
     })

@@ -46,8 +46,7 @@ pub(super) fn scaled_and_rest(case: &Case) -> Option<(Diagnosis, f64)> {
 /// The same from look directions, which show displacements of any size.
 pub(super) fn of_directions(case: &Case) -> Option<(Diagnosis, f64)> {
     let directions = Field::of_directions(&case.points)?;
-    let pixels = case.region.pixels(case.points[0].size()).collect();
-    of_displacements(case, pixels, 0.0, |i| directions.displacement(i))
+    of_displacements(case, case.everywhere(), 0.0, |i| directions.displacement(i))
 }
 
 /// Another film, from events of moving objects only: whichever point of the object it is, an event E on the past light cone of the shot P
@@ -106,7 +105,7 @@ impl Film {
 /// Another film, from where the candidate shows points: at all pixels with `everywhere`, otherwise at those that differ.
 fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<(Diagnosis, f64)> {
     let pixels = match everywhere {
-        true => case.region.pixels(case.points[0].size()).collect(),
+        true => case.everywhere(),
         false => case.pixels(),
     };
     of_displacements(case, pixels, NOTABLE, |i| field.displacement(i))
@@ -115,7 +114,7 @@ fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<(Diagnosis, 
 /// The same from the displacements of these pixels' points, of more than `notable` pixels rms.
 fn of_displacements(
     case: &Case,
-    pixels: Vec<usize>,
+    pixels: &[usize],
     notable: f64,
     displacement: impl Fn(usize) -> Option<DVec2>,
 ) -> Option<(Diagnosis, f64)> {
@@ -125,7 +124,7 @@ fn of_displacements(
         let p = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) - half;
         Some([p, p + displacement(i)?])
     };
-    let mut pairs: Vec<[DVec2; 2]> = pixels.into_iter().filter_map(pair).collect();
+    let mut pairs: Vec<[DVec2; 2]> = pixels.iter().copied().filter_map(pair).collect();
     if pairs.len() < super::FEWEST {
         return None;
     }

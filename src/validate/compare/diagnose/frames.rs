@@ -77,20 +77,14 @@ fn event(case: &Case) -> Option<Diagnosis> {
         hypotheses.push((words, Box::new(move |i| Some(seen(i)[1]))));
         hypotheses.push((VIEW, Box::new(move |i| Some(known.view(seen(i)[1])))));
     }
-    best(
-        ["event", WORLD],
-        NOTABLE,
-        &case.pixels(),
-        [r, c],
-        hypotheses,
-    )
+    best(["event", WORLD], NOTABLE, case.pixels(), [r, c], hypotheses)
 }
 
 pub(super) fn direction(case: &Case) -> Option<Diagnosis> {
     let [r, c] = case.points.map(|points| points.direction);
     let (r, c, known) = (r?, c?, case.known?);
     let view = move |i: usize| Some(known.view(known.own_look(place(&r, i))?));
-    let pixels: Vec<usize> = case.region.pixels(case.points[0].size()).collect();
+    let pixels = case.everywhere();
     let hypotheses: Vec<Hypothesis> = vec![(VIEW, Box::new(view))];
     best(["direction", WORLD], NOTABLE, &pixels, [r, c], hypotheses)
 }
@@ -100,7 +94,7 @@ pub(super) fn signs(case: &Case) -> Vec<Diagnosis> {
     let of = |aov: Aov| {
         let [r, c] = case.pair.map(|picture| Plane::aov(&picture.layers, aov));
         let (r, c) = (r?, c?);
-        let pairs = case.pixels().into_iter().map(|i| (r.at(i), c.at(i)));
+        let pairs = case.pixels().iter().copied().map(|i| (r.at(i), c.at(i)));
         let tally = Tally::of(pairs.map(|(r, c)| [(c - r).abs(), (c + r).abs()]));
         // Times that are all about 0 have no sign.
         tally.explains(1e-6).then(|| Diagnosis {
@@ -121,7 +115,7 @@ pub(super) fn beginnings(case: &Case) -> Option<Diagnosis> {
     let [r, c] = case.points.map(|points| points.primitive);
     let (r, c) = (r?, c?);
     let mut offsets: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
-    for i in case.pixels() {
+    for &i in case.pixels() {
         let object = case.points[0].object_at(i).unwrap_or(0.0) as i64;
         let offset = c.at(i) - r.at(i);
         if offset.is_finite() {
@@ -183,7 +177,7 @@ pub(super) fn weights(case: &Case) -> Option<Diagnosis> {
         [Some(r), Some(c)] => r.at(*i) == c.at(*i),
         _ => true,
     };
-    let pixels: Vec<usize> = case.pixels().into_iter().filter(is_same).collect();
+    let pixels: Vec<usize> = case.pixels().iter().copied().filter(is_same).collect();
     let words = ["first", "second", "third"];
     let orders = [[2, 1], [0, 1], [1, 0], [0, 2], [2, 0]];
     orders.into_iter().find_map(|order: [usize; 2]| {

@@ -150,7 +150,7 @@ fn with_light(
         .pair
         .map(|picture| Plane::group(&picture.layers, RADIANCE));
     let (r, c) = (r?, c?);
-    let pixels = case.of_same_object().into_par_iter();
+    let pixels = case.of_same_object().par_iter().copied();
     let pixels = pixels.map(|i| (i, [&r, &c].map(|p| p.map(|p| p.at(i)))));
     let is_lit = |(_, pair): &Lit| {
         let [r, c] = pair;
@@ -318,7 +318,7 @@ fn black(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     let (r, c) = (r?, c?);
     // All light, wherever it is: misplaced light is another mistake.
     let sum = |of: &[Plane; 3]| {
-        let pixels = case.of_same_object().into_iter();
+        let pixels = case.of_same_object().iter().copied();
         let pixels = pixels.flat_map(|i| of.each_ref().map(|p| p.at(i)));
         pixels.filter(|v| v.is_finite()).map(f64::abs).sum::<f64>()
     };

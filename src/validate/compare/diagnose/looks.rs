@@ -189,7 +189,7 @@ fn places_are_right(case: &Case) -> bool {
     let Some(field) = case.field else {
         return false;
     };
-    let off = case.pixels().into_iter();
+    let off = case.pixels().iter().copied();
     let off = off.filter_map(|i| Some(field.displacement(i)?.length()));
     let off = Tally::of(off.map(|off| [off, 0.0]));
     off.distances.len() >= super::FEWEST && off.error() <= NOTABLE_DISPLACEMENT

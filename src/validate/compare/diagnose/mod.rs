@@ -87,6 +87,8 @@ mod time;
 mod turns;
 mod unlike;
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -306,6 +308,16 @@ pub(super) struct Case<'a> {
     pub mixed: &'a [bool],
     /// The scene with all its files.
     pub scene: Option<&'a Scene>,
+    /// Of this case only.
+    pub lists: &'a PixelLists,
+}
+
+/// The pixels that hypotheses are tested on, once they are asked for.
+#[derive(Debug, Default)]
+pub(super) struct PixelLists {
+    all: OnceLock<Vec<usize>>,
+    same: OnceLock<Vec<usize>>,
+    unmixed: OnceLock<Vec<usize>>,
 }
 
 /// All diagnoses of a candidate: channels that were never written, and the results of the others.
@@ -468,22 +480,36 @@ impl Case<'_> {
         self.mixed.get(i) == Some(&true)
     }
 
-    /// Pixels of the region where both pictures show the same object.
-    fn of_same_object(&self) -> Vec<usize> {
+    /// All pixels of the region.
+    fn everywhere(&self) -> &[usize] {
+        let all = || self.region.pixels(self.points[0].size()).collect();
+        self.lists.all.get_or_init(all)
+    }
+
+    /// Those where both pictures show the same object.
+    fn of_same_object(&self) -> &[usize] {
         let [r, c] = &self.points;
-        let pixels = self.region.pixels(r.size());
+        let same = || {
+            let pixels = self.region.pixels(r.size());
+            pixels.filter(|i| r.same_object(c, *i)).collect()
+        };
         // Without such channels it is the same everywhere.
         match (r.object, c.object) {
-            (Some(_), Some(_)) => pixels.filter(|i| r.same_object(c, *i)).collect(),
-            _ => pixels.collect(),
+            (Some(_), Some(_)) => self.lists.same.get_or_init(same),
+            _ => self.everywhere(),
         }
     }
 
     /// Those of them whose channels are not means over several surfaces.
-    fn pixels(&self) -> Vec<usize> {
-        let mut pixels = self.of_same_object();
-        pixels.retain(|i| !self.is_mixed(*i));
-        pixels
+    fn pixels(&self) -> &[usize] {
+        let unmixed = || {
+            let all = self.of_same_object().iter().copied();
+            all.filter(|i| !self.is_mixed(*i)).collect()
+        };
+        match self.mixed.is_empty() {
+            true => self.of_same_object(),
+            false => self.lists.unmixed.get_or_init(unmixed),
+        }
     }
 }
 
@@ -587,5 +613,52 @@ impl Tally {
     /// Whether the hypothesis explains an error of at least `notable` rms.
     fn explains(&self, notable: f64) -> bool {
         self.distances.len() >= FEWEST && self.error() > notable && self.share() >= MOST
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn some_pixels_decide_about_a_hypothesis_as_all_do() {
+        let pixels: Vec<usize> = (0..200_000).collect();
+        // It explains this many of twenty pixels.
+        for explained in [0, 10, 13, 17, 18, 19, 20] {
+            let distances = |i: usize| {
+                let is_explained = i % 20 < explained;
+                Some([1.0, if is_explained { 0.0 } else { 1.0 }])
+            };
+            let all = Tally::of(pixels.iter().filter_map(|i| distances(*i)));
+            let asked = Tally::of_pixels(&pixels, distances);
+            assert_eq!(all.explains(0.5), explained >= 18);
+            assert_eq!(asked.explains(0.5), all.explains(0.5), "{explained}");
+            // Few are enough to exclude it, and only they are looked at.
+            let looked_at = if explained <= 13 { ASKED } else { pixels.len() };
+            assert_eq!(asked.distances.len(), looked_at, "{explained}");
+        }
+    }
+
+    #[test]
+    fn places_from_all_over_are_different_and_in_all_rows_and_columns_alike() {
+        for width in [640, 1024, 1920] {
+            let count = width * width * 9 / 16;
+            let places: BTreeSet<usize> = spread(count, ASKED).collect();
+            assert_eq!(places.len(), ASKED);
+            // An eighth of the rows, and of the columns.
+            for part in 0..8 {
+                let rows = places.iter().filter(|i| **i * 8 / count == part);
+                let columns = places.iter().filter(|i| **i % width * 8 / width == part);
+                for found in [rows.count(), columns.count()] {
+                    assert!(
+                        found.abs_diff(ASKED / 8) < ASKED / 80,
+                        "{width}, {part}: {found}"
+                    );
+                }
+            }
+        }
+        assert!(spread(5, ASKED).eq(0..5));
     }
 }

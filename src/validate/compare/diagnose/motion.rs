@@ -279,7 +279,7 @@ fn camera_by_ratios_alone(case: &Case) -> Option<Diagnosis> {
 
     let width = case.points[1].width;
     let mut objects: BTreeMap<usize, ObjectRatios> = BTreeMap::new();
-    for i in case.pixels() {
+    for &i in case.pixels() {
         let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
         let object = object_at(i).filter(|id| *id >= 0.0).map(|id| id as usize);
         let seen = object.filter(|k| *k < velocities.len() && ratio.at(i) > 0.0);
@@ -423,7 +423,7 @@ fn object_ratios(case: &Case, which: usize) -> Option<BTreeMap<i64, ObjectRatios
     let velocity = camera_velocity(case.pair[which]).or_else(|| camera_velocity(case.pair[0]))?;
     let (gamma, beta) = (velocity.gamma(), velocity.beta());
     let mut objects: BTreeMap<i64, ObjectRatios> = BTreeMap::new();
-    for i in case.pixels() {
+    for &i in case.pixels() {
         let d = direction(i);
         // W γ (1 + β·d) of the camera is linear in the object's four-velocity (γ, γβ).
         let value = ratio.at(i) * gamma * (1.0 + beta.dot(d));

@@ -101,7 +101,7 @@ pub(super) fn normals(case: &Case) -> Option<Diagnosis> {
     best(
         ["normal", RIGHT],
         NOTABLE,
-        &case.pixels(),
+        case.pixels(),
         [r, c],
         hypotheses,
     )

@@ -4,10 +4,13 @@
 //! object.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use super::super::options::Region;
 use super::super::picture::{Plane, is_auxiliary};
-use super::{Case, Diagnosis, FEWEST, Kind, MOST, channels, frames, light, ratios, time};
+use super::{
+    Case, Diagnosis, FEWEST, Kind, MOST, PixelLists, channels, frames, light, ratios, time,
+};
 use crate::error::Message;
 
 /// The most objects that are tested, the largest first.
@@ -37,7 +40,7 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
     if case.points.iter().any(|points| points.object.is_none()) {
         return Vec::new();
     }
-    for i in case.of_same_object() {
+    for &i in case.of_same_object() {
         let object = case.points[0].object_at(i).unwrap_or(-1.0) as i64;
         pixels.entry(object).or_default().push(i);
     }
@@ -57,8 +60,13 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
             crop: None,
             mask: Some(mask),
         };
+        let lists = PixelLists {
+            same: OnceLock::from(pixels),
+            ..PixelLists::default()
+        };
         let case = Case {
             region: &region,
+            lists: &lists,
             ..*case
         };
         of(&case).into_iter().map(move |found| (object, found))

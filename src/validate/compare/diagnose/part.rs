@@ -126,7 +126,7 @@ fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {
     let [mut triangles, mut objects] = [BTreeMap::<_, Part>::new(), BTreeMap::new()];
     let points = &case.points[0];
     let mut total = 0.0;
-    for &i in &pixels {
+    for &i in pixels {
         let Some(d) = field.displacement(i) else {
             continue;
         };

@@ -8,6 +8,8 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use super::super::picture::Plane;
 use super::motion::camera_velocity;
 use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
@@ -26,14 +28,10 @@ fn ratios<'a>(case: &Case<'a>) -> Option<[Plane<'a>; 2]> {
 /// The logarithms of W in the reference and in the candidate, for each pixel.
 fn logarithms(case: &Case) -> Option<Vec<(usize, [f64; 2])>> {
     let [r, c] = ratios(case)?;
-    let logs = case
-        .pixels()
-        .into_iter()
-        .map(|i| (i, [libm::log(r.at(i)), libm::log(c.at(i))]));
-    Some(
-        logs.filter(|(_, logs)| logs.iter().all(|l| l.is_finite()))
-            .collect(),
-    )
+    let logs = case.pixels().par_iter();
+    let logs = logs.map(|&i| (i, [libm::log(r.at(i)), libm::log(c.at(i))]));
+    let finite = logs.filter(|(_, logs)| logs.iter().all(|l| l.is_finite()));
+    Some(finite.collect())
 }
 
 /// The largest residual of a hypothesis if W hardly varies.

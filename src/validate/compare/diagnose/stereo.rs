@@ -10,7 +10,8 @@ use super::super::picture::{Picture, Plane, RADIANCE};
 use super::super::points::{Points, place};
 use super::fitted::of_some_size;
 use super::{
-    Case, Diagnosis, Kind, PUPIL_DISTANCE, constant, diagnose_channels, light, mixed, turns,
+    Case, Diagnosis, Kind, PUPIL_DISTANCE, PixelLists, constant, diagnose_channels, light, mixed,
+    turns,
 };
 use crate::error::Message;
 use crate::io::image::{Layers, Samples};
@@ -124,7 +125,9 @@ fn of_eye(case: &Case, eye: usize) -> Vec<Diagnosis> {
     let known = known.filter(|known| known.is_that_of(&points[0]));
     let field = Field::new(&points, known.as_ref());
     let mixed = mixed::pixels(pair, &points);
+    let lists = PixelLists::default();
     let case = Case {
+        lists: &lists,
         mixed: &mixed,
         pair,
         points,

@@ -31,7 +31,7 @@ pub(super) fn shifted(case: &Case) -> Option<Diagnosis> {
         .count() as f64
         / count;
     // Nearly equal times in half precision are rounded to the same side, by up to half a step.
-    let times = case.pixels().into_iter().map(|i| c.at(i));
+    let times = case.pixels().iter().copied().map(|i| c.at(i));
     let is_half = times.filter(|t| t.is_finite()).all(is_of_half_precision);
     let rounding = if is_half {
         HALF_PRECISION / 4.0
@@ -145,7 +145,7 @@ const HALF_PRECISION: f64 = 1.0 / 512.0;
 /// Emission times that are rounded to whole bins, or to steps of another width.
 pub(super) fn rounded(case: &Case) -> Option<Diagnosis> {
     let [r, c] = [case.points[0].time?, case.points[1].time?];
-    let pixels = case.pixels().into_iter();
+    let pixels = case.pixels().iter().copied();
     let pairs: Vec<[f64; 2]> = pixels
         .map(|i| [r.at(i), c.at(i)])
         .filter(|pair| pair.iter().all(|t| t.is_finite()))

@@ -119,8 +119,8 @@ const MAY_BE: f64 = 3.0 * NEAR;
 
 /// A candidate that is mirrored, rotated, or shifted by whole pixels.
 pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
-    let all: Vec<usize> = case.region.pixels(case.points[0].size()).collect();
-    let before = differing(case, &all, Turn::Moved([0, 0]));
+    let all = case.everywhere();
+    let before = differing(case, all, Turn::Moved([0, 0]));
     if before.part <= ALIKE {
         return None;
     }
@@ -133,7 +133,7 @@ pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
     let few: Vec<usize> = spread(all.len(), ASKED).map(|at| all[at]).collect();
     let may_be = |turn: &Turn| differing(case, &few, *turn).part <= MAY_BE * before.part;
     let tried = mirrors_and_quarters(case).chain(moves).filter(may_be);
-    let tried = tried.map(|turn| (turn, differing(case, &all, turn)));
+    let tried = tried.map(|turn| (turn, differing(case, all, turn)));
     let best = tried.min_by(|a, b| a.1.part.total_cmp(&b.1.part));
     match best {
         Some((turn, after)) if after.part <= NEAR * before.part => {

@@ -63,8 +63,8 @@ pub(super) fn channels(case: &Case) -> Vec<Diagnosis> {
         let object = case.points[0].object_at(i).unwrap_or(0.0);
         objects.entry(object as i64).or_default().push(i);
     }
-    let film = case.region.pixels(case.points[0].size()).collect();
-    let film = Objects::from([(0, film)]);
+    let film = case.everywhere();
+    let film = Objects::from([(0, film.to_vec())]);
     // Channels of a group together, with the numbers of the first of them.
     let mut groups: Vec<(Vec<&str>, Wrong)> = Vec::new();
     // What is smaller than a pixel has another value at its centre than in the mean.

@@ -185,7 +185,8 @@ impl Bake<'_> {
         Ok(())
     }
 
-    fn print_plan(&self, mut jobs: Vec<Job>) -> Result<()> {
+    /// Prints what `jobs` would take.
+    pub fn print_plan(&self, mut jobs: Vec<Job>) -> Result<()> {
         let (_, mut plan) = self.planned(&mut jobs)?;
         check_names(self.path, &jobs, &inputs::of(self.scene, &plan))?;
         self.check(&Prepared::new(self.scene, &plan, &Silent)?, &mut jobs)?;

@@ -58,6 +58,7 @@ pub fn bake(arguments: &BakeArguments) -> Result<()> {
         samples: changes.spp,
         texels: arguments.texels,
         work: &arguments.work,
+        plan: arguments.plan,
     }
     .bake(light, &file)
 }
@@ -73,6 +74,8 @@ struct Work<'a> {
     samples: Option<u32>,
     texels: Option<[u32; 2]>,
     work: &'a WorkArguments,
+    /// Whether to print what the bake would take, and bake nothing.
+    plan: bool,
 }
 
 impl Work<'_> {
@@ -111,7 +114,11 @@ impl Work<'_> {
         };
         let mut refusal = Ok(());
         for size in sizes {
-            refusal = surfaces(&scene, &[], file, size).and_then(|jobs| bake.run(jobs));
+            let jobs = surfaces(&scene, &[], file, size);
+            refusal = jobs.and_then(|jobs| match self.plan {
+                true => bake.print_plan(jobs),
+                false => bake.run(jobs),
+            });
             // A larger texture may have enough room.
             if !matches!(refusal, Err(Error::Invalid { .. })) {
                 break;
@@ -194,6 +201,7 @@ impl<'a> FlashFilm<'a> {
             samples: None,
             texels: arguments.texels,
             work: &arguments.work,
+            plan: false,
         }
         .bake(&self.light, &self.file)
     }

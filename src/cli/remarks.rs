@@ -375,6 +375,7 @@ fn sends_nothing(light: &Light) -> bool {
         LightKind::Lamp(lamp) => lamp.intensity,
         LightKind::Area { brightness, .. } => match brightness {
             Brightness::Radiance(light) | Brightness::Power(light) => *light,
+            Brightness::Materials => return false,
         },
     };
     light == [0.0; 3]

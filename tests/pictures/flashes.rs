@@ -13,6 +13,8 @@ use nullray::render::survey;
 use nullray::scene::model::Scene;
 use nullray::scene::{Overrides, parse};
 
+use crate::pipeline::files::{self, Quad};
+
 fn scene(text: &str) -> Scene {
     parse(text, "flashes", Path::new(""), &Overrides::default()).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -319,6 +321,76 @@ fn a_bake_of_a_shining_wall_has_its_light_when_that_arrives() {
                 "{n} {k}: {found} {expected}"
             );
         }
+    }
+}
+
+/// A square over a floor, with this material, as an area light or not.
+fn glowing(folder: &Path, material: &str, bounces: u32, light: &str) -> Scene {
+    let square = Quad {
+        material: Some(material),
+        ..Quad::PLAIN
+    };
+    files::glb(&folder.join("glow.glb"), &square);
+    let text = format!(
+        "[render]\nbounces = {bounces}\n[radiance]\nquantity = \"integrated\"\n[display]\nsamples_per_pixel = 64\n\
+         [camera]\neye = [0, 2, 6]\nlook_at = [0, -0.5, 0]\nhfov = \"50 deg\"\nsize = [8, 6]\n\
+         [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [8, 8] }} }}\ntransform = {{ translate = [0, -1, 0] }}\n\
+         [[object]]\nname = \"glow\"\ngltf = \"glow.glb\"\n{light}\n"
+    );
+    parse(&text, "glow", folder, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn an_area_light_without_a_radiance_shines_as_its_materials_emit() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |material: &str, bounces, light: &str| -> Vec<[f64; 3]> {
+        let scene = glowing(folder.path(), material, bounces, light);
+        let film = render(&prepared(&scene, false), &Silent).unwrap();
+        film.radiance().to_vec()
+    };
+    let emitting = "{ \"emissiveFactor\": [0.5, 1, 0.25] }";
+    let area = |keys: &str| format!("[[light]]\ntype = \"area\"\nobject = \"glow\"\n{keys}");
+    // Constant over all times in view, but not known to be.
+    let dimmed = area(
+        "emission = { table = [{ time = \"-99 m\", factor = 0.25 }, { time = \"99 m\", factor = 0.25 }] }",
+    );
+    // Materials emit in any scene with light, however dark.
+    let own = picture(emitting, 0, "[sky]\nradiance = 0");
+    let lit = own.iter().filter(|c| c[1] > 0.0).count();
+    assert!(lit > 30, "{lit}");
+    for (ours, own) in picture(emitting, 0, &dimmed).iter().zip(&own) {
+        for (ours, own) in ours.iter().zip(own) {
+            assert!((ours - 0.25 * own).abs() <= 1e-9 * own, "{ours} {own}");
+        }
+    }
+    // A radiance replaces what they emit, and 1 is that of materials that emit nothing.
+    let one = picture(emitting, 0, &area("radiance = 1"));
+    let plain = picture("{}", 0, &area(""));
+    assert!(one == plain && one != own);
+    // All energy of a flash is in the bins.
+    let (sigma, bounces) = (0.1, 1);
+    let baked = glowing(folder.path(), emitting, bounces, &area(&flash(sigma)));
+    let bins = Bins {
+        start: 0.0,
+        width: 0.5,
+        count: 60,
+    };
+    let prepared = prepared(&baked, false);
+    let cube = bake::camera_cube(
+        &baked,
+        &prepared,
+        &bins,
+        CubePrecision::Single,
+        None,
+        &Silent,
+    );
+    let cube = cube.unwrap().cube;
+    let steady = picture(emitting, bounces, "[sky]\nradiance = 0");
+    for c in 0..3 {
+        let all = 0..8 * 6 * bins.count;
+        let ours: f64 = all.map(|k| cube.samples.get(3 * k + c).unwrap()).sum();
+        let theirs: f64 = steady.iter().map(|rgb| rgb[c]).sum::<f64>() * TAU.sqrt() * sigma;
+        assert!((ours / theirs - 1.0).abs() < 0.02, "{c}: {ours} {theirs}");
     }
 }
 

@@ -10,7 +10,7 @@ use super::shared::{SceneArguments, WorkArguments};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("flash", |flash| flash.help("Bake the light of a flash on a model without a scene, as `nullray render MODEL --flash` does; the lamp, bins and samples are chosen automatically").conflicts_with_all(["camera", "object", "uv", "atlas", "start", "bin_width", "bins", "half", "plan"])))]
+#[command(mut_arg("flash", |flash| flash.help("Bake the light of a flash on a model without a scene, as `nullray render MODEL --flash` does; the lamp, bins and samples are chosen automatically").conflicts_with_all(["camera", "object", "uv", "atlas", "start", "bin_width", "bins", "half"])))]
 pub struct BakeArguments {
     #[command(flatten)]
     pub scene: SceneArguments,

@@ -139,9 +139,9 @@ pub struct ModelArguments {
 #[command(next_help_heading = "Flashes of light on models (.glb, .gltf)")]
 pub struct FlashArguments {
     /// Light a model without a scene by a flash, and show the light in flight: a film of 48 pictures (or those chosen by --frames), from
-    /// just before the light arrives until it has faded. The model's own lamps flash, or else one above the viewer's left shoulder. A model
-    /// without a ground of its own gets a floor. The light, direct and indirect, is first baked into NAME-light.npz, or NAME-light-model.npz
-    /// and NAME-light-floor.npz, beside the film; a bake of the same light is reused.
+    /// just before the light arrives until it has faded. The model's own lamps and shining panels flash, or else a lamp above the viewer's
+    /// left shoulder. A model without a ground of its own gets a floor. The light, direct and indirect, is first baked into NAME-light.npz,
+    /// or NAME-light-model.npz and NAME-light-floor.npz, beside the film; a bake of the same light is reused.
     #[arg(long)]
     pub flash: bool,
     /// Number of reflections after the first: the scene's `render.bounces`. Default: what the scene says, and 2 for --flash.

@@ -305,7 +305,7 @@ fn paths<'a>(scene: &Scene, prepared: &'a Prepared) -> Result<TimedPaths<'a>> {
     };
     let name = &scene.objects[object as usize].name;
     let help = format!(
-        "give it light with an end: [[light]] with type = \"area\", object = {name:?}, the radiance of its whole surface (0 leaves its own light out) and emission = {{ gaussian = {{ sigma = \"5 cm\" }} }}; or follow light with `render.bounces`"
+        "give it light with an end: [[light]] with type = \"area\", object = {name:?} and emission = {{ gaussian = {{ sigma = \"5 cm\" }} }} (radiance = 0 leaves its own light out); or follow light with `render.bounces`"
     );
     let place = format!("object \"{name}\"");
     Err(Error::invalid(&scene.name, place, FOR_EVER, help))

@@ -39,11 +39,15 @@ pub(super) fn area_light(scene: &Scene, object: usize) -> Option<AreaLight<'_>> 
     })
 }
 
-/// The radiance of an object that is an area light, whose mesh in its rest frame is `mesh`: for power Φ it is Φ/(π A), where A is the
-/// area of all sides that shine, because a side emits ∫ L cos θ dω = π L per area.
+/// The radiance of an object that is an area light, whose mesh in its rest frame is `mesh`, unless its materials say what they emit: for
+/// power Φ it is Φ/(π A), where A is the area of all sides that shine, because a side emits ∫ L cos θ dω = π L per area.
 pub(super) fn area_radiance(scene: &Scene, object: usize, mesh: &Mesh) -> Option<[f64; 3]> {
     let power = match area_light(scene, object)?.brightness {
         Brightness::Radiance(radiance) => return Some(radiance),
+        Brightness::Materials => {
+            let emits = mesh.materials.iter().any(|m| m.emissive != [0.0; 3]);
+            return (!emits).then_some([1.0; 3]);
+        }
         Brightness::Power(power) => power,
     };
     let mut area = 0.0;

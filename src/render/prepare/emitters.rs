@@ -431,7 +431,7 @@ fn emission(
         texture: lookup(&material.emissive_texture, textures),
         vertex_colours: false,
         response: None,
-        profile: None,
+        profile: profile.clone(),
     };
     let shines = scene.is_lit() && material.emissive != [0.0; 3];
     area.or_else(|| shines.then(own))

@@ -45,7 +45,7 @@ pub(in crate::scene) struct Light {
     /// RGB. Default: 1.
     pub irradiance: Option<At<NumberOrVector>>,
     /// Radiance of an area light's surface in its own frame, the same in all directions, at least 0: one number, or linear RGB. Default:
-    /// 1.
+    /// what the materials of its object's model emit; 1 if they emit nothing, or with a `spectrum`.
     pub radiance: Option<At<NumberOrVector>>,
     /// Its spectrum in its rest frame; the key for its brightness is a factor on it, a single number for an area light, which then
     /// reflects nothing. Needs quantity = "rgb" in `radiance`. Default: the spectrum of the RGB of `intensity` and the like, or of an

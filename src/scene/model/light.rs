@@ -42,6 +42,8 @@ pub enum LightKind {
 pub enum Brightness {
     /// Radiance.
     Radiance([f64; 3]),
+    /// The emission of the object's materials; a radiance of 1 where none of them emits.
+    Materials,
     /// The total emitted power Φ: the radiance is Φ/(π A), where A is the area of all sides that shine.
     Power([f64; 3]),
 }

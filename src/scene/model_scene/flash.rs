@@ -1,9 +1,9 @@
 //! A flash of light on a model.
 //!
-//! A lamp emits a Gaussian pulse at time 0 (σ = 1/16 of the radius), which reaches the model and a floor under it. The light is baked, and read by a
-//! camera that moves throughout the film, from the first light to some time after the last ([`Show::span`]). At camera time 0, in the middle of the
-//! film, it looks at the model from the side from which the still picture does; within three fifths of the film about that the whole model is in view,
-//! and W varies by less than a factor of 4. A camera at rest sees the direct light reach the centre of the model at time 0.
+//! A lamp, or what materials emit, sends a Gaussian pulse at time 0 (σ = 1/16 of the radius), which reaches the model and a floor under it.
+//! The light is baked, and read by a camera that moves throughout the film, from the first light to some time after the last
+//! ([`Show::span`]). At camera time 0, in the middle of the film, it looks at the model from the side from which the still picture does;
+//! within three fifths of the film about that the whole model is in view, and W varies by less than a factor of 4. A camera at rest sees the direct light reach the centre of the model at time 0.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -12,13 +12,13 @@ use glam::DVec3;
 use toml_edit::Value;
 
 use super::framing::framing;
-use super::fronts::{Front, Show};
+use super::fronts::{Lit, Show, Source};
 use super::motion::Motion;
 use super::subject::{Ball, Subject};
 use super::text::{FlashLight, MADE_FOR_MODEL, ModelScene, brightness, vector, write_light};
 use super::view::{Flash, VIEWPOINT};
 use crate::error::{Error, Result};
-use crate::io::gltf::{self, GltfLightKind, GltfSummary};
+use crate::io::gltf::{self, GltfSummary};
 use crate::mesh::Factors;
 use crate::spacetime::Quantity;
 
@@ -41,6 +41,9 @@ const FLOOR: f64 = 3.0;
 const BELOW: f64 = 1e-3;
 /// White over black for a flash: light reflected by two surfaces is a hundredth of direct light.
 const FLASH_RANGE: f64 = 300.0;
+/// The part of a model's surface, at least, that shines without a texture if that is to be a lamp: a panel at the ceiling of a box-shaped
+/// room has a hundredth, glowing eyes and buttons have less.
+const LAMP: f64 = 1.0 / 200.0;
 /// The most bins, for a model that is far from its lamps.
 const MOST_BINS: u32 = 2048;
 
@@ -71,7 +74,7 @@ pub(super) fn flashing(
     let sigma = SIGMA * radius;
     // The model's own lamps, or one made for it.
     let mut lamps = String::new();
-    let mut sources: Vec<Front> = Vec::new();
+    let mut sources: Vec<Source> = Vec::new();
     for light in &gltf::lights(model.path)? {
         // Writing to a string cannot fail.
         let _ = write_light(&mut lamps, light);
@@ -79,10 +82,29 @@ pub(super) fn flashing(
             lamps,
             "emission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}"
         );
-        sources.push(match light.kind {
-            GltfLightKind::Directional => Front::Plane(light.direction),
-            _ => Front::Sphere(light.position),
-        });
+        sources.push(Source::of(light));
+    }
+    // What materials emit is a lamp, too, or else it is left out: it lasts for ever, and would not fit into bins.
+    let emits = held.factors.iter().any(|factors| factors.emits);
+    let shining = &subject.shining;
+    let shines = shining.part >= LAMP;
+    if emits {
+        let (said, radiance) = match shines {
+            true => ("what its materials emit", ""),
+            false => (
+                "nothing, in place of what its materials emit for ever",
+                "radiance = 0\n",
+            ),
+        };
+        let _ = write!(
+            lamps,
+            "\n# Its surface shines with {said}.\n[[light]]\nname = \"emission\"\ntype = \"area\"\nobject = \"model\"\n{radiance}emission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n"
+        );
+    }
+    if shines {
+        // Normal to the surface, ∫ L dA is its intensity.
+        let each = shining.power / shining.points.len() as f64;
+        sources.extend(shining.points.iter().map(|p| Source::point(*p, each)));
     }
     if sources.is_empty() {
         let place = centre + FLASH * radius;
@@ -93,20 +115,12 @@ pub(super) fn flashing(
             "\n[[light]]\nname = \"flash\"\nposition = {}\nintensity = {intensity:?}\nemission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n",
             vector(place)
         );
-        sources.push(Front::Sphere(place));
-    }
-    // What materials emit has no end: it would not fit into bins.
-    let emits = held.factors.iter().any(|factors| factors.emits);
-    if emits {
-        let _ = write!(
-            lamps,
-            "\n# In place of what its materials emit for ever.\n[[light]]\nname = \"no emission\"\ntype = \"area\"\nobject = \"model\"\nradiance = 0\nemission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n"
-        );
+        sources.push(Source::point(place, intensity));
     }
     let arrivals = |points: &[DVec3]| {
         let all = points
             .iter()
-            .flat_map(|p| sources.iter().map(|s| s.arrival(*p)));
+            .flat_map(|p| sources.iter().map(|s| s.front.arrival(*p)));
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| {
             [a.min(t), b.max(t)]
         })
@@ -129,8 +143,9 @@ pub(super) fn flashing(
         0 => 0.0,
         _ => radius,
     };
+    let lit = Lit::of(subject, &sources, FLASH_RANGE);
     let show = Show {
-        sources: &sources,
+        lit: &lit,
         dawn: DAWN * sigma,
         fades: FADES * reflected + DAWN * sigma,
         middle: arrivals(&[centre])[0],
@@ -143,7 +158,7 @@ pub(super) fn flashing(
     let under = floor.map(|(middle, _)| {
         sources
             .iter()
-            .map(|s| s.arrival(DVec3::new(middle.x, middle.y, middle.z)))
+            .map(|s| s.front.arrival(DVec3::new(middle.x, middle.y, middle.z)))
             .fold(f64::INFINITY, f64::min)
     });
     let first = under.map_or(first, |t| first.min(t));
@@ -218,7 +233,7 @@ pub(super) fn flashing(
         start,
         width,
         bins,
-        leaves_out_emission: emits,
+        leaves_out_emission: emits && !shines,
         direct: format!("{MADE_FOR_MODEL}\n{seen}{plain}\n[radiance]\n{said}\n{lamps}"),
     };
     let [white, _] = camera.ratios.map(|w| brightness(quantity, w));

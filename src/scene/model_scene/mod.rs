@@ -60,7 +60,7 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
         gltf::refuse_outside(path)?;
     }
     let held = gltf::inspect(path, None)?;
-    let subject = Subject::of(path, &held, budget)?;
+    let subject = Subject::of(path, &held, view.flash.is_some(), budget)?;
     let motion = Motion::new(path, view)?;
     let size = view.size.unwrap_or(SIZE);
     if let Some(flash) = &view.flash {

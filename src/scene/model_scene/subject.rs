@@ -7,10 +7,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::view::VIEWPOINT;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::gltf::{self, BadVertices, GltfSummary, Want};
-use crate::mesh::Mesh;
+use crate::mesh::{Material, Mesh};
 
 /// Cells of directions along each half axis: 1/12, or 5°, over which a sphere deviates from its tangent plane by 4·10⁻³.
 const CELLS: usize = 12;
@@ -19,6 +20,8 @@ const PARTS: f64 = 8.0;
 /// A ground is level to within the first fraction of the whole radius, and the subject on it has a radius below the second fraction of it.
 const LEVEL: f64 = 0.01;
 const WIDE: f64 = 0.25;
+/// The distance of a camera from the centre that decides which sides of triangles it may see, in radii.
+const EYE: f64 = 2.5;
 /// A model has a ground of its own if triangles that face up cover this part of the rectangle around it (a round ground covers π/4), this
 /// fraction of its radius above its bottom at most.
 const COVERED: f64 = 0.5;
@@ -40,6 +43,31 @@ pub(super) struct Subject {
     pub(super) outline: Vec<DVec3>,
     /// The height of its bottom, unless it stands on its own ground.
     pub(super) floor: Option<f64>,
+    /// What of its surface a camera at [`VIEWPOINT`] may see, in pieces; empty unless it flashes.
+    pub(super) seen: Vec<Piece>,
+    /// The surfaces of the whole model that shine without a texture; none unless it flashes.
+    pub(super) shining: Shining,
+}
+
+/// A piece of surface: all of one orientation in a small cube.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    /// Its middle.
+    pub(super) point: DVec3,
+    /// Its mean normal, towards the camera.
+    pub(super) normal: DVec3,
+    pub(super) area: f64,
+}
+
+/// Surfaces that shine.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Shining {
+    /// Their corners that are farthest in some direction, and their middle.
+    pub(super) points: Vec<DVec3>,
+    /// Their area as a fraction of the whole area.
+    pub(super) part: f64,
+    /// Their power over π: ∫ L dA of the mean L of the channels.
+    pub(super) power: f64,
 }
 
 impl Subject {
@@ -48,7 +76,12 @@ impl Subject {
     /// Bytes per triangle: its corners, in a growing list, and as they are in the file.
     const TRIANGLE: u64 = 2 * 12 + 12;
 
-    pub(super) fn of(path: &Path, held: &GltfSummary, budget: &Budget) -> Result<Subject> {
+    pub(super) fn of(
+        path: &Path,
+        held: &GltfSummary,
+        flashes: bool,
+        budget: &Budget,
+    ) -> Result<Subject> {
         let taken = Subject::VERTEX.saturating_mul(held.vertices);
         budget.take(
             taken.saturating_add(Subject::TRIANGLE.saturating_mul(held.triangles)),
@@ -57,16 +90,30 @@ impl Subject {
         let want = Want {
             uvs: false,
             textures: false,
-            shading: false,
+            // Textures tell where materials shine.
+            shading: flashes && held.factors.iter().any(|factors| factors.emits),
             normals: false,
             bad_vertices: BadVertices::Drop,
         };
         let mesh = gltf::load(path, None, want)?.mesh;
-        Subject::in_mesh(&mesh).ok_or_else(|| {
+        let subject = Subject::in_mesh(&mesh).ok_or_else(|| {
             let what = "its triangles have no extent that a camera could frame";
             let help = "export a model whose triangles have an area, in metres from 1e-60 to 1e28, and no corner that is not finite";
             Error::invalid(path, "meshes", what, help)
+        })?;
+        Ok(match flashes {
+            true => subject.with_surface(&mesh),
+            false => subject,
         })
+    }
+
+    /// The same with its surface.
+    pub(super) fn with_surface(self, mesh: &Mesh) -> Subject {
+        Subject {
+            seen: pieces(self.ball, mesh),
+            shining: Shining::of(mesh),
+            ..self
+        }
     }
 
     /// The subject of all triangles whose corners are distinct; for a model on a wide and level ground, only of those above the ground.
@@ -112,8 +159,114 @@ impl Subject {
             ball,
             outline: outline.map(|(_, point)| point).collect(),
             floor: None,
+            seen: Vec::new(),
+            shining: Shining::default(),
         }
     }
+}
+
+/// The surface of the triangles within `ball`, as far as a camera at [`VIEWPOINT`] may see it: whatever faces it.
+fn pieces(ball: Ball, mesh: &Mesh) -> Vec<Piece> {
+    // Rounding at the farthest corner.
+    let reach = ball.radius * (1.0 + 1e-9);
+    let cells = (2.0 * PARTS) as usize;
+    let step = ball.radius / PARTS;
+    let eye = ball.centre + EYE * ball.radius * VIEWPOINT.normalize();
+    let none = (0.0, DVec3::ZERO, DVec3::ZERO);
+    // The sums of areas, of places and of normals, both by area, in each cube for each of six orientations.
+    let mut sums = vec![none; 6 * cells * cells * cells];
+    for (corners @ [a, b, c], material) in with_materials(mesh) {
+        let twice = (b - a).cross(c - a);
+        let is_within = corners.iter().all(|p| p.distance(ball.centre) <= reach);
+        if twice == DVec3::ZERO || !is_within {
+            continue;
+        }
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        let parts = (longest / step).clamp(1.0, 2.0 * PARTS).ceil() as u32;
+        let area = 0.5 * twice.length() / f64::from(parts * parts);
+        for [u, v] in middles(parts) {
+            let point = a + (b - a) * u + (c - a) * v;
+            let towards = (eye - point).dot(twice);
+            let is_seen = towards > 0.0 || material.double_sided;
+            let normal = twice.normalize() * towards.signum();
+            let within = (point - ball.centre) / step + PARTS;
+            let [x, y, z] = within.to_array().map(|x| (x as usize).min(cells - 1));
+            let axis = normal.abs().max_position();
+            let side = 2 * axis + usize::from(normal[axis] > 0.0);
+            if is_seen {
+                let sum = &mut sums[((x * cells + y) * cells + z) * 6 + side];
+                *sum = (sum.0 + area, sum.1 + area * point, sum.2 + area * normal);
+            }
+        }
+    }
+    let found = sums.into_iter().filter(|(area, ..)| *area > 0.0);
+    let piece = |(area, places, normals): (f64, DVec3, DVec3)| Piece {
+        point: places / area,
+        normal: normals.normalize_or_zero(),
+        area,
+    };
+    found.map(piece).collect()
+}
+
+/// The barycentric coordinates of the middles of the `parts`² equal parts of a triangle.
+fn middles(parts: u32) -> impl Iterator<Item = [f64; 2]> {
+    let n = f64::from(parts);
+    let rows = (0..parts).flat_map(move |i| (0..parts - i).map(move |j| [i, j].map(f64::from)));
+    rows.flat_map(move |[i, j]| {
+        let third = |x: f64| (x + 1.0 / 3.0) / n;
+        // The triangle that points the other way, if there is one.
+        let other = (i + j + 2.0 <= n).then(|| [i, j].map(|x| third(x + 1.0 / 3.0)));
+        std::iter::once([i, j].map(third)).chain(other)
+    })
+}
+
+impl Shining {
+    pub(super) fn of(mesh: &Mesh) -> Shining {
+        let (mut whole, mut area, mut power, mut middle) = (0.0, 0.0, 0.0, DVec3::ZERO);
+        let mut farthest: Vec<(DVec3, DVec3)> = Vec::new();
+        let shines = |m: &Material| m.emissive != [0.0; 3] && m.emissive_texture.is_none();
+        for ([a, b, c], material) in with_materials(mesh) {
+            let own = 0.5 * (b - a).cross(c - a).length();
+            whole += own;
+            if own == 0.0 || !shines(material) {
+                continue;
+            }
+            area += own;
+            middle += own * (a + b + c) / 3.0;
+            power += own * f64::from(material.emissive.iter().sum::<f32>()) / 3.0;
+            if farthest.is_empty() {
+                let steps = || [-1.0, 0.0, 1.0].into_iter();
+                let all = steps().flat_map(|x| {
+                    steps().flat_map(move |y| steps().map(move |z| DVec3::new(x, y, z)))
+                });
+                farthest = all.map(|direction| (direction, a)).collect();
+            }
+            for (direction, point) in &mut farthest {
+                let farther = |p: DVec3| p.dot(*direction) > point.dot(*direction);
+                if let Some(p) = [a, b, c].into_iter().find(|p| farther(*p)) {
+                    *point = p;
+                }
+            }
+        }
+        if area == 0.0 {
+            return Shining::default();
+        }
+        let corners = farthest.into_iter().map(|(_, point)| point);
+        Shining {
+            points: corners.chain([middle / area]).collect(),
+            part: area / whole,
+            power,
+        }
+    }
+}
+
+/// The corners of all triangles, with their materials.
+fn with_materials(mesh: &Mesh) -> impl Iterator<Item = ([DVec3; 3], &Material)> {
+    mesh.parts.iter().flat_map(move |part| {
+        let all = part.first_triangle..part.first_triangle + part.triangles;
+        let material = &mesh.materials[part.material as usize];
+        all.map(move |i| (mesh.corners(i), material))
+    })
 }
 
 /// Whether triangles below the height `top` that face up cover a good part of the rectangle around the mesh in x and z.

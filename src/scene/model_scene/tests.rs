@@ -4,10 +4,12 @@ use glam::DVec3;
 
 use super::flyby::passing;
 use super::framing::{FILLED, framing};
+use super::fronts::{Lit, Show, Source};
 use super::motion::Motion;
-use super::subject::{Ball, Subject};
+use super::subject::{Ball, Shining, Subject};
 use super::view::{ModelView, VIEWPOINT};
-use crate::mesh::Mesh;
+use crate::mesh::shapes::{self, Shape};
+use crate::mesh::{Material, Mesh, Part};
 
 /// A box, given by the corners of a grid on it, and its bounding sphere.
 fn slab(size: DVec3, middle: DVec3) -> Subject {
@@ -21,6 +23,8 @@ fn slab(size: DVec3, middle: DVec3) -> Subject {
         },
         outline,
         floor: None,
+        seen: Vec::new(),
+        shining: Shining::default(),
     }
 }
 
@@ -201,6 +205,109 @@ fn a_flyby_crosses_the_picture_about_the_place_without_a_shift() {
             "{beta} {last} {w}"
         );
     }
+}
+
+/// A hollow box whose walls face inward, with half extents 1, and a square of this size in the middle that faces up.
+fn room(size: f64) -> Mesh {
+    let mut mesh = shapes::mesh(Shape::Box { size: [2.0; 3] }, [1.0; 3]);
+    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    let square = shapes::mesh(Shape::Plane { size: [size; 2] }, [1.0; 3]);
+    let before = mesh.positions.len() as u32;
+    mesh.positions.extend(square.positions);
+    let triangles = square.triangles.iter().map(|t| t.map(|k| k + before));
+    let first_triangle = mesh.triangles.len() as u32;
+    mesh.triangles.extend(triangles);
+    mesh.parts.push(Part {
+        first_triangle,
+        triangles: 2,
+        material: 1,
+        node: String::new(),
+    });
+    mesh.materials.push(Material {
+        emissive: [1.0, 2.0, 3.0],
+        ..Material::default()
+    });
+    Mesh {
+        uvs: Vec::new(),
+        normals: Vec::new(),
+        ..mesh
+    }
+}
+
+#[test]
+fn a_film_of_a_flash_shows_the_light_on_the_sides_that_face_the_camera() {
+    let mesh = room(1e-3);
+    let subject = Subject::in_mesh(&mesh).unwrap().with_surface(&mesh);
+    let lamp = DVec3::new(0.7, 0.8, 0.6);
+    let lit = Lit::of(&subject, &[Source::point(lamp, 1.0)], 1e9);
+    let show = Show {
+        lit: &lit,
+        dawn: 0.0,
+        fades: 0.0,
+        middle: 0.0,
+    };
+    let eye = subject.ball.centre + 4.0 * VIEWPOINT;
+    let span = show.span(&subject, eye, None);
+    // The camera sees the floor, the left wall and the back wall from within, and the other three are seen through.
+    let steps = || (0..=100).map(|k| f64::from(k) / 50.0 - 1.0);
+    let walls = |a: f64, b: f64| {
+        [
+            DVec3::new(a, -1.0, b),
+            DVec3::new(-1.0, a, b),
+            DVec3::new(a, b, -1.0),
+        ]
+    };
+    let all = steps().flat_map(|a| steps().flat_map(move |b| walls(a, b)));
+    let seen = all.map(|p| p.distance(lamp) + p.distance(eye) - span.zero);
+    let [first, last] = seen.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| {
+        [a.min(t), b.max(t)]
+    });
+    // Pieces are an eighth of the radius √3 wide.
+    assert!((span.first - first).abs() < 0.22, "{span:?} {first}");
+    assert!((span.last - last).abs() < 0.44, "{span:?} {last}");
+}
+
+#[test]
+fn what_a_lamp_hardly_lights_does_not_lengthen_a_film() {
+    let mesh = shapes::mesh(Shape::Plane { size: [2.0; 2] }, [1.0; 3]);
+    let subject = Subject::in_mesh(&mesh).unwrap().with_surface(&mesh);
+    // Above a corner by h the irradiance falls as h/r³ beyond r = h, and white is that of a twentieth of 4 m².
+    let (height, range) = (0.01, 30.0_f64);
+    let lamp = Source::point(DVec3::new(-1.0, height, -1.0), 1.0);
+    let farthest = |range: f64, lamp: Source| {
+        let lit = Lit::of(&subject, &[lamp], range);
+        lit.iter().map(|lit| lit.last).fold(0.0, f64::max)
+    };
+    // A quarter of a disc: π r²/4 = 0.2.
+    let white = (0.8 / std::f64::consts::PI).sqrt();
+    let expected = white * range.cbrt();
+    let found = farthest(range, lamp);
+    assert!((found - expected).abs() < 0.25, "{found} {expected}");
+    let all = farthest(1e9, Source::point(DVec3::new(-1.0, height, -1.0), 1.0));
+    assert!(all > 2.6, "{all}");
+    // A cone of 45° that looks straight down from 1 m above the middle.
+    let cone = Source {
+        cone: Some((-DVec3::Y, 0.5f64.sqrt())),
+        ..Source::point(DVec3::Y, 1.0)
+    };
+    let beside = farthest(1e9, cone);
+    assert!((1.3..=2f64.sqrt()).contains(&beside), "{beside}");
+}
+
+#[test]
+fn a_surface_that_shines_is_known_by_its_area_power_and_corners() {
+    let mesh = room(0.5);
+    let shining = Shining::of(&mesh);
+    assert!((shining.part - 0.25 / 24.25).abs() < 1e-12);
+    assert!((shining.power - 0.5).abs() < 1e-12);
+    for corner in [[-0.25, -0.25], [0.25, -0.25], [0.25, 0.25], [-0.25, 0.25]] {
+        let corner = DVec3::new(corner[0], 0.0, corner[1]);
+        assert!(shining.points.contains(&corner), "{corner}");
+    }
+    assert!(shining.points.iter().any(|p| p.length() < 1e-12));
+    let mut textured = mesh;
+    textured.materials[1].emissive = [0.0; 3];
+    assert_eq!(Shining::of(&textured), Shining::default());
 }
 
 #[test]

@@ -15,8 +15,8 @@ use crate::scene::at::At;
 use crate::scene::file::{self, LightType};
 use crate::scene::limits;
 use crate::scene::model::{
-    Beam, Binding, Brightness, EmissionProfile, Lamp, Light, LightKind, Motion, Object, Source,
-    SourceKind,
+    Beam, Binding, Brightness, EmissionProfile, Geometry, Lamp, Light, LightKind, Motion, Object,
+    Source, SourceKind,
 };
 use crate::scene::names;
 use crate::scene::suggest::did_you_mean;
@@ -166,12 +166,16 @@ fn area(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind
         );
         return Err(cx.refuse(name, what, ALL_IN_VACUUM));
     }
+    // Shapes emit nothing of their own, and a spectrum replaces what materials emit.
+    let has_spectrum = at.value.spectrum.is_some() || objects[object].spectrum.is_some();
+    let is_shape = matches!(objects[object].geometry, Geometry::Shape { .. });
     Ok(LightKind::Area {
         object,
         emission,
-        brightness: match power {
-            Some(_) => Brightness::Power(channels(cx, power)?),
-            None => Brightness::Radiance(channels(cx, radiance)?),
+        brightness: match (power, radiance) {
+            (Some(_), _) => Brightness::Power(channels(cx, power)?),
+            (None, None) if !has_spectrum && !is_shape => Brightness::Materials,
+            (None, _) => Brightness::Radiance(channels(cx, radiance)?),
         },
     })
 }
@@ -213,7 +217,9 @@ pub(super) fn give_spectra(
         }
         object.spectrum = own.or(object.spectrum.take());
         // A spectrum defines its own colour; its factor must be grey.
-        let (Brightness::Radiance([r, g, b]) | Brightness::Power([r, g, b])) = *brightness;
+        let (Brightness::Radiance([r, g, b]) | Brightness::Power([r, g, b])) = *brightness else {
+            continue;
+        };
         if object.spectrum.is_some() && !(r == g && g == b) {
             let what = "the factor on a spectrum is one number";
             let at = said.radiance.as_ref().or(said.power.as_ref());

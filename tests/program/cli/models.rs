@@ -670,16 +670,22 @@ fn a_fast_camera_sees_the_model_of_a_flash_as_a_whole_and_large_about_the_middle
 }
 
 #[test]
-fn what_materials_emit_for_ever_is_left_out_of_a_flash_and_that_is_said() {
+fn materials_that_shine_flash_like_lamps_if_they_are_a_good_part_of_the_surface() {
     let folder = folder(0.3);
     let text = String::from_utf8(folder.read("model.gltf")).unwrap();
-    let emitting = text.replace(
-        "\"doubleSided\":true",
-        "\"doubleSided\":true,\"emissiveFactor\":[0,1,0]",
-    );
-    assert_ne!(text, emitting);
-    let film = |text: &str| {
-        folder.write("model.gltf", text);
+    // With a second square, of this size and with this emission.
+    let with = |size: f64, emission: [f64; 3]| {
+        let mut model: serde_json::Value = serde_json::from_str(&text).unwrap();
+        model["nodes"] = json!([{ "mesh": 0 }, { "mesh": 1, "scale": [size, size, size] }]);
+        let (mut mesh, mut shining) = (model["meshes"][0].clone(), model["materials"][0].clone());
+        mesh["primitives"][0]["material"] = json!(1);
+        shining["emissiveFactor"] = json!(emission);
+        model["meshes"].as_array_mut().unwrap().push(mesh);
+        model["materials"].as_array_mut().unwrap().push(shining);
+        model.to_string()
+    };
+    let film = |size: f64, emission: [f64; 3]| {
+        folder.write("model.gltf", with(size, emission));
         let frames = ["-o", "a-##.exr", "--frames", "24..25"];
         let run = folder.run(&[&["render", "model.gltf"][..], &frames, &COARSE, &SIZE].concat());
         assert_eq!(run.code, 0, "{}", run.message());
@@ -688,10 +694,28 @@ fn what_materials_emit_for_ever_is_left_out_of_a_flash_and_that_is_said() {
         std::fs::remove_file(folder.path("model-light-floor.npz")).unwrap();
         (run.message(), light)
     };
-    let ((before, dark), (after, light)) = (film(&text), film(&emitting));
+    let (dark, green) = ([0.0; 3], [0.0, 1.0, 0.0]);
     let said = "the steady light that the model's materials emit is left out";
+    // A 400th of the other square's area: it is left out.
+    let ((before, black), (after, glowing)) = (film(0.05, dark), film(0.05, green));
     assert!(!before.contains(said) && after.contains(said), "{after}");
-    assert!(dark == light);
+    assert!(black == glowing);
+    // A hundredth: it is the only lamp. A plan bakes nothing.
+    folder.write("model.gltf", with(0.1, green));
+    let planned = folder.ok(&["bake", "model.gltf", "--flash", "--plan", "--texels=16x16"]);
+    assert!(
+        planned.contains("model-light-model.npz: 16 rows"),
+        "{planned}"
+    );
+    assert!(!folder.names().iter().any(|name| name.contains("light")));
+    let (after, light) = film(0.1, green);
+    assert!(!after.contains(said), "{after}");
+    let sum = |c: usize| -> f64 { light.iter().map(|rgb| rgb[c]).sum() };
+    assert!(
+        sum(1) > 0.0 && sum(0).max(sum(2)) < 1e-6 * sum(1),
+        "{}",
+        sum(1)
+    );
 }
 
 #[test]

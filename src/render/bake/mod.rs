@@ -251,8 +251,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         return refuse(format!("source \"{}\"", pulse.name), what, help);
     }
     if scene.lights.is_empty() && pulses.count() == 0 {
-        let help =
-            "add [[light]] with an emission, like emission = { gaussian = { sigma = \"5 cm\" } }; with type = \"area\" and an object, its surface or what its materials emit";
+        let help = "add [[light]] with an emission, like emission = { gaussian = { sigma = \"5 cm\" } }; with type = \"area\" and an object, its surface or what its materials emit";
         return refuse("light".into(), "there is no light to bake".into(), help);
     }
     Ok(())

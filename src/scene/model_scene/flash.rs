@@ -1,6 +1,7 @@
 //! A flash of light on a model.
 //!
-//! A lamp, or what materials emit, sends a Gaussian pulse at time 0 (σ = 1/16 of the radius), which reaches the model and a floor under it.
+//! A lamp, or what materials emit, sends a Gaussian pulse at time 0 (σ = 1/16 of the radius), which reaches the model and a floor under it; light
+//! from afar leaves so early that it arrives with the nearest.
 //! The light is baked, and read by a camera that moves throughout the film, from the first light to some time after the last
 //! ([`Show::span`]). At camera time 0, in the middle of the film, it looks at the model from the side from which the still picture does;
 //! within three fifths of the film about that the whole model is in view, and W varies by less than a factor of 4. A camera at rest sees the direct light reach the centre of the model at time 0.
@@ -18,7 +19,7 @@ use super::subject::{Ball, Subject};
 use super::text::{FlashLight, MADE_FOR_MODEL, ModelScene, brightness, vector, write_light};
 use super::view::{Flash, VIEWPOINT};
 use crate::error::{Error, Result};
-use crate::io::gltf::{self, GltfSummary};
+use crate::io::gltf::{self, GltfLight, GltfLightKind, GltfSummary};
 use crate::mesh::Factors;
 use crate::spacetime::Quantity;
 
@@ -44,6 +45,9 @@ const FLASH_RANGE: f64 = 300.0;
 /// The part of a model's surface, at least, that shines without a texture if that is to be a lamp: a panel at the ceiling of a box-shaped
 /// room has a hundredth, glowing eyes and buttons have less.
 const LAMP: f64 = 1.0 / 200.0;
+/// Lamps farther from the middle of a model than this, in radii, flash earlier by the time that their light is on its way, like parallel light:
+/// while that of others goes over the model, theirs would not have come yet.
+const FAR: f64 = 10.0;
 /// The most bins, for a model that is far from its lamps.
 const MOST_BINS: u32 = 2048;
 
@@ -75,19 +79,36 @@ pub(super) fn flashing(
     // The model's own lamps, or one made for it.
     let mut lamps = String::new();
     let mut sources: Vec<Source> = Vec::new();
-    for light in &gltf::lights(model.path)? {
-        // Writing to a string cannot fail.
-        let _ = write_light(&mut lamps, light);
-        let _ = writeln!(
-            lamps,
-            "emission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}"
-        );
-        sources.push(Source::of(light));
-    }
     // What materials emit is a lamp, too, or else it is left out: it lasts for ever, and would not fit into bins.
     let emits = held.factors.iter().any(|factors| factors.emits);
     let shining = &subject.shining;
     let shines = shining.part >= LAMP;
+    let lights = gltf::lights(model.path)?;
+    let is_far = |light: &GltfLight| match light.kind {
+        GltfLightKind::Directional => true,
+        _ => light.position.distance(centre) > FAR * radius,
+    };
+    // The light from afar reaches the middle together with that of the nearest lamp.
+    let near = lights.iter().filter(|l| !is_far(l)).map(|l| l.position);
+    let panels = shining.points.iter().copied().filter(|_| shines);
+    let nearest = near
+        .chain(panels)
+        .map(|p| p.distance(centre))
+        .reduce(f64::min);
+    for light in &lights {
+        let front = Source::of(light, 0.0);
+        let time = match is_far(light) {
+            true => nearest.unwrap_or(0.0) - front.arrival(centre),
+            false => 0.0,
+        };
+        // Writing to a string cannot fail.
+        let _ = write_light(&mut lamps, light);
+        let _ = writeln!(
+            lamps,
+            "emission = {{ gaussian = {{ time = \"{time:?} m\", sigma = \"{sigma:?} m\" }} }}"
+        );
+        sources.push(Source::of(light, time));
+    }
     if emits {
         let (said, radiance) = match shines {
             true => ("what its materials emit", ""),
@@ -120,7 +141,7 @@ pub(super) fn flashing(
     let arrivals = |points: &[DVec3]| {
         let all = points
             .iter()
-            .flat_map(|p| sources.iter().map(|s| s.front.arrival(*p)));
+            .flat_map(|p| sources.iter().map(|s| s.arrival(*p)));
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| {
             [a.min(t), b.max(t)]
         })
@@ -158,7 +179,7 @@ pub(super) fn flashing(
     let under = floor.map(|(middle, _)| {
         sources
             .iter()
-            .map(|s| s.front.arrival(DVec3::new(middle.x, middle.y, middle.z)))
+            .map(|s| s.arrival(middle))
             .fold(f64::INFINITY, f64::min)
     });
     let first = under.map_or(first, |t| first.min(t));

@@ -11,20 +11,10 @@ use super::subject::{Piece, Subject};
 use super::view::VIEWPOINT;
 use crate::io::gltf::{GltfLight, GltfLightKind};
 
-/// The front of a flash that leaves its lamp at time 0; for parallel light, the front through the origin at time 0.
+/// The front of a flash: a sphere about its lamp, or a plane that moves in this direction.
 pub(super) enum Front {
     Sphere(DVec3),
     Plane(DVec3),
-}
-
-impl Front {
-    /// The time when it reaches `point`.
-    pub(super) fn arrival(&self, point: DVec3) -> f64 {
-        match self {
-            Front::Sphere(place) => point.distance(*place),
-            Front::Plane(direction) => point.dot(*direction),
-        }
-    }
 }
 
 /// A lamp that flashes.
@@ -34,11 +24,13 @@ pub(super) struct Source {
     pub(super) intensity: f64,
     /// The axis of its cone, and the cosine of the angle from it beyond which it is dark.
     pub(super) cone: Option<(DVec3, f64)>,
+    /// When it flashes; of parallel light, when its front passes the origin.
+    pub(super) time: f64,
 }
 
 impl Source {
-    /// A lamp of a model.
-    pub(super) fn of(light: &GltfLight) -> Source {
+    /// A lamp of a model that flashes at `time`.
+    pub(super) fn of(light: &GltfLight, time: f64) -> Source {
         let intensity = light.intensity.iter().sum::<f64>() / 3.0;
         Source {
             front: match light.kind {
@@ -50,16 +42,27 @@ impl Source {
                 GltfLightKind::Spot { outer, .. } => Some((light.direction, libm::cos(outer))),
                 _ => None,
             },
+            time,
         }
     }
 
-    /// A lamp that shines in all directions.
+    /// A lamp that flashes at time 0 in all directions.
     pub(super) fn point(place: DVec3, intensity: f64) -> Source {
         Source {
             front: Front::Sphere(place),
             intensity,
             cone: None,
+            time: 0.0,
         }
+    }
+
+    /// When its front reaches `point`.
+    pub(super) fn arrival(&self, point: DVec3) -> f64 {
+        self.time
+            + match self.front {
+                Front::Sphere(place) => point.distance(place),
+                Front::Plane(direction) => point.dot(direction),
+            }
     }
 
     /// The irradiance of a piece of surface.
@@ -129,7 +132,7 @@ impl Lit {
 
     /// `None` without any source.
     fn by<'a>(point: DVec3, sources: impl Iterator<Item = &'a Source>) -> Option<Lit> {
-        let times = sources.map(|source| source.front.arrival(point));
+        let times = sources.map(|source| source.arrival(point));
         let both = times
             .map(|t| [t, t])
             .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);

@@ -719,6 +719,52 @@ fn materials_that_shine_flash_like_lamps_if_they_are_a_good_part_of_the_surface(
 }
 
 #[test]
+fn light_from_afar_comes_with_that_of_near_lamps() {
+    let folder = folder(1.0);
+    let text = String::from_utf8(folder.read("model.gltf")).unwrap();
+    // The square is a kilometre from the origin, with a near lamp, parallel light and a distant lamp, in this order.
+    let with = |lamps: &[usize]| {
+        let mut model: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let place = |x: f64, z: f64| json!([1000.0 + x, 1.0, z - 2.0]);
+        let lamp = |k: &usize| {
+            let at = place([3.0, 3.0, 3.0][*k], [1.5, 0.0, 700.0][*k]);
+            json!({ "translation": at, "extensions": { "KHR_lights_punctual": { "light": k } } })
+        };
+        let mut nodes = vec![json!({ "mesh": 0, "translation": [1000.0, 0.0, 0.0] })];
+        nodes.extend(lamps.iter().map(lamp));
+        model["nodes"] = json!(nodes);
+        model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        model["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+            { "type": "point" }, { "type": "directional" }, { "type": "point", "intensity": 1e5 }] } });
+        folder.write("lamps.gltf", model.to_string());
+        let printed = folder.ok(&["render", "lamps.gltf", "--flash", "--print-scene"]);
+        let number = |key: &str| -> f64 {
+            let line = printed.lines().find_map(|line| line.strip_prefix(key));
+            let said = line
+                .unwrap()
+                .trim_start_matches(" = \"")
+                .trim_end_matches(" m\"");
+            said.parse().unwrap()
+        };
+        (
+            number("clock_zero"),
+            number("time"),
+            number("frame_interval"),
+        )
+    };
+    let alone = with(&[0]);
+    // At the middle all of it arrives at once, and nowhere on the square, of radius 0.71, more than a few radii apart.
+    for lamps in [&[0, 1][..], &[0, 2], &[0, 1, 2]] {
+        let all = with(lamps);
+        assert!(
+            (all.0 - alone.0).abs() < 1e-6,
+            "{lamps:?} {all:?} {alone:?}"
+        );
+        assert!(all.2 < 2.0 * alone.2, "{lamps:?} {all:?} {alone:?}");
+    }
+}
+
+#[test]
 fn flashes_that_show_nothing_are_refused() {
     let folder = folder(1.0);
     folder.write("scene.toml", super::SMALL);

@@ -270,7 +270,8 @@ impl Bake<'_> {
                 metadata.push((FINGERPRINT.into(), hexadecimal(&sum(job))));
                 write(job, &metadata, bins.count, &baked)?;
                 journal.remove()?;
-                let (text, warnings) = report((scene, &plan), job, (&baked, bins), &table);
+                let (text, warnings) =
+                    report((scene, &plan), job, (&baked, bins), &table, self.of_flash);
                 // The command that makes a film of a flash neither asks for sources nor has other ways to bake.
                 let (text, warnings) = match self.of_flash {
                     true => (
@@ -629,6 +630,8 @@ fn report(
     job: &Job,
     (baked, bins): (&Baked, &Bins),
     table: &str,
+    // Its bins hold what its film shows, and not all of a wide ground.
+    is_of_flash: bool,
 ) -> (String, Vec<String>) {
     let [h, w, t, _] = baked.cube.shape;
     let energy = &baked.energy;
@@ -675,7 +678,7 @@ fn report(
             number(bins.start),
             number(end)
         ));
-    } else if energy.before > 1e-4 * all || energy.after > 1e-4 * all {
+    } else if !is_of_flash && (energy.before > 1e-4 * all || energy.after > 1e-4 * all) {
         warnings.push(format!(
             "the bins miss {:.2} % of its energy before them and {:.2} % after them",
             part(energy.before),

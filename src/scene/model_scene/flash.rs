@@ -40,6 +40,8 @@ const FLASH: DVec3 = DVec3::new(-1.0, 1.5, 1.2);
 /// Half the side of the floor under a model, in radii, and its distance below it.
 const FLOOR: f64 = 3.0;
 const BELOW: f64 = 1e-3;
+/// Points of the floor at which light arrives on either side of its middle.
+const GRID: i32 = 3;
 /// White over black for a flash: light reflected by two surfaces is a hundredth of direct light.
 const FLASH_RANGE: f64 = 300.0;
 /// The part of a model's surface, at least, that shines without a texture if that is to be a lamp: a panel at the ceiling of a box-shaped
@@ -148,17 +150,7 @@ pub(super) fn flashing(
     };
     let floor = subject.floor.map(|bottom| {
         let y = bottom - BELOW * radius;
-        let half = FLOOR * radius;
-        let corner = |x: f64, z: f64| DVec3::new(centre.x + x * half, y, centre.z + z * half);
-        (
-            DVec3::new(centre.x, y, centre.z),
-            [
-                corner(-1.0, -1.0),
-                corner(1.0, -1.0),
-                corner(-1.0, 1.0),
-                corner(1.0, 1.0),
-            ],
-        )
+        DVec3::new(centre.x, y, centre.z)
     });
     let reflected = match flash.bounces {
         0 => 0.0,
@@ -172,17 +164,17 @@ pub(super) fn flashing(
         middle: arrivals(&[centre])[0],
     };
     let camera = framing(subject, motion, size, Some(&show));
-    // Bins for all direct light on the model or the floor, and for the light that follows.
-    let corners = floor.iter().flat_map(|(_, corners)| corners).copied();
-    let places: Vec<DVec3> = subject.outline.iter().copied().chain(corners).collect();
+    // Bins for all direct light on the model and the floor, or as much of a wide ground, and for the light that follows.
+    let grid = || (-GRID..=GRID).map(|k| f64::from(k) / f64::from(GRID) * FLOOR * radius);
+    let around = |middle: DVec3| {
+        grid().flat_map(move |x| grid().map(move |z| middle + DVec3::new(x, 0.0, z)))
+    };
+    let ground = subject.ground.map(|y| DVec3::new(centre.x, y, centre.z));
+    let outline = subject.outline.iter().copied();
+    let seen = subject.seen.iter().map(|piece| piece.point);
+    let below = floor.or(ground).into_iter().flat_map(around);
+    let places: Vec<DVec3> = outline.chain(seen).chain(below).collect();
     let [first, last] = arrivals(&places);
-    let under = floor.map(|(middle, _)| {
-        sources
-            .iter()
-            .map(|s| s.arrival(middle))
-            .fold(f64::INFINITY, f64::min)
-    });
-    let first = under.map_or(first, |t| first.min(t));
     let width = sigma / BINS_PER_SIGMA;
     let start = ((first - BEGINS * sigma) / width).floor() * width;
     let end = last + BEGINS * sigma + BINS_FADE * reflected;
@@ -208,7 +200,7 @@ pub(super) fn flashing(
             Value::from(model.name).to_string().trim()
         );
         texture(&mut text, "model");
-        if let Some((middle, _)) = floor {
+        if let Some(middle) = floor {
             let side = 2.0 * FLOOR * radius;
             let _ = write!(
                 text,

@@ -43,6 +43,8 @@ pub(super) struct Subject {
     pub(super) outline: Vec<DVec3>,
     /// The height of its bottom, unless it stands on its own ground.
     pub(super) floor: Option<f64>,
+    /// The height of a wide ground that is left out.
+    pub(super) ground: Option<f64>,
     /// What of its surface a camera at [`VIEWPOINT`] may see, in pieces; empty unless it flashes.
     pub(super) seen: Vec<Piece>,
     /// The surfaces of the whole model that shine without a texture; none unless it flashes.
@@ -126,7 +128,10 @@ impl Subject {
         let above = Ball::of_those(mesh, is_above);
         Some(
             match above.filter(|above| above.radius < WIDE * all.radius) {
-                Some(above) => Subject::within(above, mesh, is_above),
+                Some(above) => Subject {
+                    ground: Some(bottom),
+                    ..Subject::within(above, mesh, is_above)
+                },
                 None => Subject {
                     floor: (!has_ground(mesh, bottom + THICK * all.radius)).then_some(bottom),
                     ..Subject::within(all, mesh, |_| true)
@@ -159,6 +164,7 @@ impl Subject {
             ball,
             outline: outline.map(|(_, point)| point).collect(),
             floor: None,
+            ground: None,
             seen: Vec::new(),
             shining: Shining::default(),
         }

@@ -23,6 +23,7 @@ fn slab(size: DVec3, middle: DVec3) -> Subject {
         },
         outline,
         floor: None,
+        ground: None,
         seen: Vec::new(),
         shining: Shining::default(),
     }

@@ -281,7 +281,7 @@ pub(super) fn order_of_events(case: &Case) -> Option<Diagnosis> {
         squares.sum::<f64>().sqrt()
     };
     let found = ORDERS.map(|(order, words)| {
-        let tally = Tally::of_pixels(&pixels, |i| {
+        let tally = Tally::of_pixels(pixels, |i| {
             let (r, c) = (event(&r_time, &r, i), event(&c_time, &c, i));
             Some([distance(c, r), distance(c, order.map(|k| r[k]))])
         });
@@ -424,7 +424,7 @@ pub(super) fn texture(case: &Case) -> Option<Diagnosis> {
     ];
     let pixels = case.pixels();
     turns.into_iter().find_map(|(words, turn)| {
-        let tally = Tally::of_pixels(&pixels, |i| {
+        let tally = Tally::of_pixels(pixels, |i| {
             let ([u, v], [a, b]) = (r.map(|p| p.at(i)), c.map(|p| p.at(i)));
             let [x, y] = turn(u, v);
             Some([libm::hypot(a - u, b - v), libm::hypot(a - x, b - y)])

@@ -60,7 +60,7 @@ fn distance(case: &Case) -> Option<Diagnosis> {
             .collect(),
     )?;
     let tally = |h: &(dyn Fn(usize) -> Option<f64> + Sync)| {
-        Tally::of_pixels(&pixels, |i| {
+        Tally::of_pixels(pixels, |i| {
             let c = c.at(i);
             Some([(c - r.at(i)).abs(), (c - h(i)?).abs()])
         })
@@ -85,7 +85,7 @@ fn distance(case: &Case) -> Option<Diagnosis> {
             Vec::new(),
         ));
     }
-    buffer(case, &pixels, [&r, &c], usual).or_else(|| by_cosine(case, &pixels, [&r, &c], usual))
+    buffer(case, pixels, [&r, &c], usual).or_else(|| by_cosine(case, pixels, [&r, &c], usual))
 }
 
 fn describe(what: String, tally: &Tally, sizes: Vec<(&'static str, f64)>) -> Diagnosis {
@@ -192,7 +192,7 @@ fn time(case: &Case) -> Option<Diagnosis> {
         .take(3)
         .enumerate()
         .filter_map(|(k, meaning)| {
-            let tally = Tally::of_pixels(&pixels, |i| {
+            let tally = Tally::of_pixels(pixels, |i| {
                 let way = meanings(case, i, (shot - r.at(i)) / index)?[k];
                 Some([
                     (c.at(i) - r.at(i)).abs(),

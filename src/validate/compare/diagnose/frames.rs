@@ -86,7 +86,7 @@ pub(super) fn direction(case: &Case) -> Option<Diagnosis> {
     let view = move |i: usize| Some(known.view(known.own_look(place(&r, i))?));
     let pixels = case.everywhere();
     let hypotheses: Vec<Hypothesis> = vec![(VIEW, Box::new(view))];
-    best(["direction", WORLD], NOTABLE, &pixels, [r, c], hypotheses)
+    best(["direction", WORLD], NOTABLE, pixels, [r, c], hypotheses)
 }
 
 /// Times with the opposite sign.

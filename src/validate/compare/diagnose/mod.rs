@@ -2,7 +2,8 @@
 //!
 //! A hypothesis h(r) about what a picture holds instead of the reference's r explains the error if |c − h(r)| is below a tenth of |c − r|,
 //! or of the rms of that error, at nine tenths of the pixels where either is notable. Hypotheses without free parameters are tested first,
-//! the others only if these do not explain it.
+//! the others only if these do not explain it. In large pictures most are tested on some pixels first, and on all only if they may explain
+//! the error (`Tally::of_pixels`, `light::LitPixels`).
 //!
 //! | diagnosis | hypothesis |
 //! |---|---|

@@ -10,6 +10,7 @@ use nullray::{Error, Result};
 use toml_edit::Value;
 
 use super::args::{BakeArguments, Changes, RenderArguments, WorkArguments};
+use super::bake::goal::Goal;
 use super::bake::{Bake, check_effects, surfaces};
 use super::failure::refused;
 use super::names::{named_after, stem};
@@ -58,6 +59,7 @@ pub fn bake(arguments: &BakeArguments) -> Result<()> {
         samples: changes.spp,
         texels: arguments.texels,
         work: &arguments.work,
+        goal: Goal::of(arguments.goal),
         plan: arguments.plan,
     }
     .bake(light, &file)
@@ -74,6 +76,7 @@ struct Work<'a> {
     samples: Option<u32>,
     texels: Option<[u32; 2]>,
     work: &'a WorkArguments,
+    goal: Option<Goal>,
     /// Whether to print what the bake would take, and bake nothing.
     plan: bool,
 }
@@ -106,6 +109,7 @@ impl Work<'_> {
             coordinates: Some(Coordinates::Atlas),
             request: self.changes.request(self.work.threads.count),
             work: self.work,
+            goal: self.goal,
             of_flash: true,
         };
         let sizes = match self.texels {
@@ -201,6 +205,7 @@ impl<'a> FlashFilm<'a> {
             samples: None,
             texels: arguments.texels,
             work: &arguments.work,
+            goal: None,
             plan: false,
         }
         .bake(&self.light, &self.file)

@@ -114,7 +114,7 @@ pub const BAKE: &str = "\
 Examples:
   nullray bake scene.toml --camera --bin-width \"5 cm\" --bins 200 --bounces 4 --spp 256 -o light.npy
   nullray bake scene.toml --object floor --texels 512x512 --bin-width \"5 cm\" --bins 1000 --plan
-  nullray bake scene.toml --object floor --texels 128x128 --bin-width \"5 cm\" -o floor.npy
+  nullray bake scene.toml --object floor --texels 128x128 --bin-width \"5 cm\" --error \"5 %\" -o floor.npy
 
 Each sample is a path over `render.bounces` surfaces after the first; its light is added to every time bin in which it arrives. \
 `bake` prints the [[source]] table with which a scene reads the file, and how much of the energy the bins miss: if that is much, \

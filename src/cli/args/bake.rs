@@ -60,7 +60,22 @@ pub struct BakeArguments {
     pub plan: bool,
     #[command(flatten)]
     pub work: WorkArguments,
+    #[command(flatten)]
+    pub goal: GoalArguments,
     // Last, because options that follow would appear under its heading.
     #[command(flatten)]
     pub flash: FlashArguments,
+}
+
+/// What the number of samples is chosen for.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Choosing the number of samples")]
+pub struct GoalArguments {
+    /// As many samples as it takes for this standard error of a bin, relative to the root mean square of all bins: "5 %". A trial of up to
+    /// one in 16 texels finds the number, a power of two; with --spp and that number the light has the same bits.
+    #[arg(long, value_name = "PERCENT", conflicts_with_all = ["spp", "pixel_centers"], value_parser = values::relative_error)]
+    pub error: Option<f64>,
+    /// As many samples as this time is expected to suffice for: "60 s", "5 min" or "1 h"; with --error, no more than that needs.
+    #[arg(long, value_name = "TIME", conflicts_with_all = ["spp", "pixel_centers"], value_parser = values::work_time)]
+    pub budget: Option<f64>,
 }

@@ -24,7 +24,7 @@ use clap::{Parser, Subcommand};
 
 use super::help;
 
-pub use bake::BakeArguments;
+pub use bake::{BakeArguments, GoalArguments};
 pub use compare::CompareArguments;
 pub use convert::{ConvertArguments, SampleType};
 pub use diagram::{DiagramArguments, Origin};

@@ -114,8 +114,9 @@ fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
     }
     let error = match number("relative_standard_error").filter(|error| error.is_finite()) {
         Some(error) => format!(
-            "{:.2} % in a bin, of the root mean square of all",
-            100.0 * error
+            "{:.2} % in a bin, of the root mean square of all ({} samples each)",
+            100.0 * error,
+            said("samples_per_pixel")
         ),
         None if text("samples_per_pixel") != Some("1") => "none: the bins are dark".into(),
         None => "not known: of one sample per texel".into(),

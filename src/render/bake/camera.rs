@@ -56,14 +56,13 @@ fn cube<T: Stored>(
     let paths = paths(scene, prepared)?;
     let mut values = vec![T::default(); width * height * bins.count * 3];
     let placed = Mutex::new(&mut values);
-    let pixels = Pixels::new(prepared, &paths, bins);
-    let at_once = prepared.samples_at_once.map_or(AT_ONCE, NonZeroU32::get);
+    let pixels = Pixels::new(prepared, &paths, bins, sampling(prepared));
     let tiles = (0..Tile::count(prepared.layout.size) as usize).into_par_iter();
     let summaries: Vec<Summary> = tiles
         .map_init(CameraRays::default, |rays, index| {
             let tile = Tile::of_image(prepared.layout.size, index as u64);
             let size = [tile.pixels(), bins.count];
-            let make = || pixels.of_tile(tile, at_once, rays, progress);
+            let make = || pixels.of_tile(tile, rays, progress);
             let part = kept(journal, index, size, make)?;
             progress.rays_done(tile.pixels() as u64 * u64::from(prepared.layout.samples));
             // A poisoned lock means a panic elsewhere, which rayon propagates.
@@ -84,45 +83,60 @@ fn cube<T: Stored>(
     })
 }
 
+/// The sampler of the film's samples, in independent parts, and their number.
+fn sampling(prepared: &Prepared) -> (Sampler, u32) {
+    let layout = &prepared.layout;
+    let sampler = match layout.pixel_centers {
+        true => prepared.sampler,
+        false => {
+            let per_part = samples_per_part(layout.samples, PARTS);
+            prepared.sampler.with_samples(per_part)
+        }
+    };
+    (sampler, layout.samples)
+}
+
 /// How the pixels of a cube are computed.
-struct Pixels<'a> {
+pub(super) struct Pixels<'a> {
     prepared: &'a Prepared,
     paths: &'a TimedPaths<'a>,
     bins: &'a Bins,
     sampler: Sampler,
-    /// Samples per part; each part's mean is kept separately.
+    /// Samples, and those of each part, whose mean is kept separately.
+    samples: u32,
     per_part: u32,
 }
 
 impl<'a> Pixels<'a> {
-    fn new(prepared: &'a Prepared, paths: &'a TimedPaths<'a>, bins: &'a Bins) -> Self {
-        let layout = &prepared.layout;
-        let per_part = samples_per_part(layout.samples, PARTS);
-        let sampler = match layout.pixel_centers {
-            true => prepared.sampler,
-            false => prepared.sampler.with_samples(per_part),
-        };
+    pub fn new(
+        prepared: &'a Prepared,
+        paths: &'a TimedPaths<'a>,
+        bins: &'a Bins,
+        (sampler, samples): (Sampler, u32),
+    ) -> Self {
         Pixels {
             prepared,
             paths,
             bins,
             sampler,
-            per_part,
+            samples,
+            per_part: samples_per_part(samples, PARTS),
         }
     }
 
     /// The pixels of a tile, with a limited number of samples traced together.
-    fn of_tile(
+    pub fn of_tile(
         &self,
         tile: Tile,
-        at_once: u32,
         rays: &mut CameraRays,
         progress: &dyn Progress,
     ) -> Result<Part> {
         let blank = |_| Histogram::new(self.bins);
         let mut pixels: Vec<_> = (0..tile.pixels()).map(blank).collect();
-        let (all, mut sample) = (self.prepared.layout.samples, 0);
-        while sample < all {
+        let samples_at_once = self.prepared.samples_at_once;
+        let at_once = samples_at_once.map_or(AT_ONCE, NonZeroU32::get);
+        let mut sample = 0;
+        while sample < self.samples {
             progress.check()?;
             // Samples of different parts are kept separate.
             let left = self.per_part - sample % self.per_part;
@@ -219,7 +233,7 @@ pub fn eye(scene: &Scene, prepared: &Prepared) -> DVec3 {
     rest.frame.event_from_world(event).x - rest.frame.event_from_world(origin).x
 }
 
-fn check_plain(scene: &Scene) -> Result<()> {
+pub(super) fn check_plain(scene: &Scene) -> Result<()> {
     let camera = &scene.camera;
     let refuse = |what: &str| {
         let help = "use a plain camera at rest with the objects; any other camera can then look at the cube";

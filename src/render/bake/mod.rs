@@ -30,9 +30,11 @@ mod histogram;
 mod part;
 mod stored;
 mod surface;
+mod trials;
 
 pub use camera::{camera_cube, check_camera, eye};
 pub use surface::{Coordinates, Surface, SurfaceNeeds, check_surface, surface_cube};
+pub use trials::{Trial, Trials};
 
 use self::part::Summary;
 use self::stored::Stored;

@@ -83,18 +83,13 @@ fn cube<T: Stored>(
     bins.check::<T>(scene, width * sides * height)?;
     let row = width * bins.count * 3;
     let mut values = vec![T::default(); sides * height * row];
-    let sampler = Sampler::stratified(samples_per_part(prepared.layout.samples, PARTS));
-    let sampling = (sampler.with_seed(scene.seed), prepared.layout.samples);
-    let make = |i: usize| {
-        let mut part = Part::new(bins);
-        for j in 0..width {
-            progress.check()?;
-            let mut texel = Histogram::new(bins);
-            charts.gather(&paths, bins, [j, i], sampling, &mut texel)?;
-            part.push(&texel);
-        }
-        Ok(part)
+    let texels = Texels {
+        charts: &charts,
+        paths: &paths,
+        bins,
     };
+    let sampling = sampling(scene.seed, prepared.layout.samples);
+    let make = |i: usize| texels.row(i, 0..width, sampling, progress);
     // Rows are collected in order, so that sums do not depend on the number of threads.
     let rows: Vec<(Summary, Vec<bool>)> = values
         .par_chunks_mut(row)
@@ -136,6 +131,44 @@ fn cube<T: Stored>(
     })
 }
 
+/// The sampler of so many samples per texel, in independent parts, and their number.
+pub(super) fn sampling(seed: u32, samples: u32) -> (Sampler, u32) {
+    let sampler = Sampler::stratified(samples_per_part(samples, PARTS));
+    (sampler.with_seed(seed), samples)
+}
+
+/// How the texels of a surface are computed.
+pub(super) struct Texels<'a> {
+    pub charts: &'a Charts<'a>,
+    pub paths: &'a TimedPaths<'a>,
+    pub bins: &'a Bins,
+}
+
+impl Texels<'_> {
+    /// The texels of row `i` in these columns; rows from the height of the texture on are rows of backs.
+    pub fn row(
+        &self,
+        i: usize,
+        columns: impl Iterator<Item = usize>,
+        sampling: (Sampler, u32),
+        progress: &dyn Progress,
+    ) -> Result<Part> {
+        let Texels {
+            charts,
+            paths,
+            bins,
+        } = self;
+        let mut part = Part::new(bins);
+        for j in columns {
+            progress.check()?;
+            let mut texel = Histogram::new(bins);
+            charts.gather(paths, bins, [j, i], sampling, &mut texel)?;
+            part.push(&texel);
+        }
+        Ok(part)
+    }
+}
+
 /// Requirements of a surface's cube besides the numbers of its fronts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -170,7 +203,7 @@ pub fn check_surface(
 }
 
 /// Refuses an object that is not in the scene, and textures without texels.
-fn check_size(scene: &Scene, surface: &Surface) -> Result<()> {
+pub(super) fn check_size(scene: &Scene, surface: &Surface) -> Result<()> {
     let refuse = |place, what, help: &str| Err(Error::invalid(&scene.name, place, what, help));
     let count = scene.objects.len();
     if surface.object >= count {
@@ -189,7 +222,7 @@ fn check_size(scene: &Scene, surface: &Surface) -> Result<()> {
 }
 
 /// The triangles of an object in texture space.
-struct Charts<'a> {
+pub(super) struct Charts<'a> {
     scene: &'a Scene,
     object: &'a str,
     triangles: Vec<ChartTriangle>,
@@ -198,7 +231,7 @@ struct Charts<'a> {
     listed: Vec<u32>,
     size: [usize; 2],
     /// Whether light may reach a visible back.
-    has_lit_backs: bool,
+    pub has_lit_backs: bool,
     /// Bytes of memory left besides this.
     left: u64,
     /// The generated atlas, by triangle of the object's mesh.
@@ -217,7 +250,12 @@ struct ChartTriangle {
 
 impl<'a> Charts<'a> {
     /// Lays the triangles of the object into its texture, and lists for each texel those that touch it, within `memory` bytes.
-    fn new(scene: &'a Scene, paths: &TimedPaths, surface: &Surface, memory: u64) -> Result<Self> {
+    pub fn new(
+        scene: &'a Scene,
+        paths: &TimedPaths,
+        surface: &Surface,
+        memory: u64,
+    ) -> Result<Self> {
         let rest = paths.rest;
         let object = scene.objects[surface.object].name.as_str();
         let size = surface.size.map(|n| n as usize);

@@ -4,6 +4,7 @@ mod films;
 mod light;
 mod refusals;
 mod runs;
+mod trials;
 
 use nullray::error::Result;
 use nullray::io::cube::Cube;

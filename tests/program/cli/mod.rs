@@ -12,6 +12,7 @@ mod export;
 mod exposure;
 mod film;
 mod frames;
+mod goals;
 mod info;
 mod interrupt;
 mod lamps;

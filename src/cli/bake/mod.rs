@@ -1,24 +1,28 @@
 //! `nullray bake`.
 
+pub mod goal;
+mod report;
+
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use nullray::error::number;
 use nullray::io::budget::Budget;
 use nullray::io::image::npz::{self, CubeOptions};
 use nullray::io::npy;
 use nullray::io::sealed::hexadecimal;
-use nullray::mesh::Factors;
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface};
+use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface, Trials};
 use nullray::render::journal::Journal;
 use nullray::render::metadata;
 use nullray::render::plan::{Lit, Plan, Request, lit_by};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::{Progress, Silent};
-use nullray::scene::model::{CubeBacks, Scene};
-use nullray::spacetime::units::Angle;
+use nullray::scene::model::Scene;
 use nullray::{Error, Result};
 
+use self::goal::{Chosen, Goal};
+use self::report::{WAYS, planned, report, source};
 use super::args::{BakeArguments, WorkArguments};
 use super::builtin::is_model;
 use super::check::Names;
@@ -69,6 +73,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         },
         request: arguments.scene.changes.request(threads),
         work: &arguments.work,
+        goal: Goal::of(arguments.goal),
         of_flash: false,
     };
     let jobs = jobs(arguments, &scene, named)?;
@@ -92,6 +97,8 @@ pub struct Bake<'a> {
     pub coordinates: Option<Coordinates>,
     pub request: Request,
     pub work: &'a WorkArguments,
+    /// What the number of samples is chosen for; `None`: it is the scene's.
+    pub goal: Option<Goal>,
     /// Whether it is for a film of a flash: existing files are kept, and the tables of sources are not printed.
     pub of_flash: bool,
 }
@@ -195,8 +202,17 @@ impl Bake<'_> {
         print(&text)
     }
 
+    /// Trials of what `job` takes.
+    fn trials<'b>(&'b self, prepared: &'b Prepared, job: &Job) -> Result<Trials<'b>> {
+        match &job.surface {
+            None => Trials::of_camera(self.scene, prepared, &self.bins),
+            Some(surface) => Trials::of_surface(self.scene, prepared, surface, &self.bins),
+        }
+    }
+
     /// Bakes all `jobs`.
     pub fn run(&self, mut jobs: Vec<Job>) -> Result<()> {
+        let began = Instant::now();
         let (scene, bins, precision) = (self.scene, &self.bins, self.precision);
         let (request, plan) = self.planned(&mut jobs)?;
         let read = inputs::of(scene, &plan);
@@ -205,12 +221,24 @@ impl Bake<'_> {
         let inputs = Inputs::read(read.get(1..).unwrap_or_default());
         let identity = Identity::new(scene, &request, &Outputs::default(), &inputs);
         let quiet = self.work.quiet.on;
-        let sum = |job: &Job| {
-            let what = format!("baked {:?} {bins:?} {}", job.surface, plan.film.samples);
+        let sum = |job: &Job, samples: u32| {
+            let goal = self.goal.map_or(String::new(), |goal| goal.to_string());
+            let what = format!("baked {:?} {bins:?} {samples}{goal}", job.surface);
             identity.of_sums(&what)
         };
+        let possible = match self.goal {
+            None => vec![plan.film.samples],
+            Some(_) => goal::POSSIBLE.to_vec(),
+        };
         if self.of_flash {
-            let (done, left) = jobs.into_iter().partition(|job| job.is_done(&sum(job)));
+            let is_done = |job: &Job| {
+                let fingerprint = job.fingerprint();
+                fingerprint.is_some_and(|found| {
+                    let mut sums = possible.iter().map(|samples| sum(job, *samples));
+                    sums.any(|sum| found == hexadecimal(&sum))
+                })
+            };
+            let (done, left) = jobs.into_iter().partition(is_done);
             let done: Vec<Job> = done;
             for job in &done {
                 say(quiet, &format!("{} exists already\n", job.path.display()))?;
@@ -221,7 +249,7 @@ impl Bake<'_> {
             return Ok(());
         }
         in_pool(self.work.threads.count, || {
-            let prepared = Prepared::new(scene, &plan, &Bar::new(0, true))?;
+            let mut prepared = Prepared::new(scene, &plan, &Bar::new(0, true))?;
             self.check(&prepared, &mut jobs)?;
             if self.of_flash {
                 let largest = self.largest(&jobs) as f64 / 1e6;
@@ -232,10 +260,40 @@ impl Bake<'_> {
                 );
                 say(quiet, &text)?;
             }
-            let rays = self.texels(&jobs).saturating_mul(plan.film.samples.into());
-            let bar = Bar::new(rays, quiet);
+            let of_all = match self.goal {
+                None => self.texels(&jobs).saturating_mul(plan.film.samples.into()),
+                Some(_) => 0,
+            };
+            let bar = Bar::new(of_all, quiet);
+            let mut left = self.texels(&jobs);
             for job in &jobs {
-                let journal = Journal::open(&job.unfinished(), &sum(job))?;
+                let texels = self.texels(std::slice::from_ref(job));
+                let chosen = match self.goal {
+                    None => Chosen::of(plan.film.samples),
+                    Some(goal) => match job.unfinished_with(&possible, |n| sum(job, n))? {
+                        Some(samples) => Chosen::of(samples),
+                        None => {
+                            let share = texels as f64 / left as f64;
+                            let trials = self.trials(&prepared, job)?;
+                            let chosen = goal.samples(&trials, (began, share), quiet)?;
+                            let unit = match job.surface {
+                                Some(_) => "texel",
+                                None => "pixel",
+                            };
+                            say(quiet, &chosen.text(&job.path, unit))?;
+                            chosen
+                        }
+                    },
+                };
+                left -= texels;
+                prepared.layout.samples = chosen.samples;
+                let own = Bar::new(texels.saturating_mul(chosen.samples.into()), quiet);
+                let bar = match self.goal {
+                    None => &bar,
+                    Some(_) => &own,
+                };
+                let sum = sum(job, chosen.samples);
+                let journal = Journal::open(&job.unfinished(), &sum)?;
                 interrupt::can_resume(ANEW);
                 if journal.found() > 0 {
                     interrupt::keeps(RESUME);
@@ -249,7 +307,7 @@ impl Bake<'_> {
                     );
                     warn(quiet, &[text]);
                 }
-                let (kept, bar) = (Some(&journal), &Kept(&bar));
+                let (kept, bar) = (Some(&journal), &Kept(bar));
                 let baked = match &job.surface {
                     None => bake::camera_cube(scene, &prepared, bins, precision, kept, bar),
                     Some(surface) => {
@@ -265,9 +323,9 @@ impl Bake<'_> {
                 };
                 interrupt::check()?;
                 let table = source((scene, &plan), &prepared, job, bins, &baked);
-                let mut metadata = metadata::of_baked(scene, bins, plan.film.samples, &baked);
+                let mut metadata = metadata::of_baked(scene, bins, chosen.samples, &baked);
                 metadata.push(("source_table".into(), table.clone()));
-                metadata.push((FINGERPRINT.into(), hexadecimal(&sum(job))));
+                metadata.push((FINGERPRINT.into(), hexadecimal(&sum)));
                 write(job, &metadata, bins.count, &baked)?;
                 journal.remove()?;
                 let (text, warnings) =
@@ -285,6 +343,9 @@ impl Bake<'_> {
                 };
                 say(quiet, &text)?;
                 warn(quiet, &warnings);
+                if let Some(goal) = self.goal {
+                    warn(quiet, goal.missed_by(&baked, &chosen).as_slice());
+                }
             }
             warn(quiet, &prepared.warnings);
             Ok(())
@@ -550,13 +611,27 @@ impl Job {
         [columns, rows * (1 + u32::from(self.has_backs))]
     }
 
-    /// Whether its file exists, from the bake with this checksum.
-    fn is_done(&self, sum: &[u8; 32]) -> bool {
+    /// The fingerprint of the bake that wrote its file, if that exists.
+    fn fingerprint(&self) -> Option<String> {
         // Metadata are no longer than a few scenes.
         let budget = Budget::new(1 << 26);
-        let text = npy::load_text(&self.path, "metadata", &budget).ok();
-        let said = text.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
-        said.is_some_and(|said| said[FINGERPRINT] == hexadecimal(sum))
+        let text = npy::load_text(&self.path, "metadata", &budget).ok()?;
+        let said: serde_json::Value = serde_json::from_str(&text).ok()?;
+        said[FINGERPRINT].as_str().map(str::to_owned)
+    }
+
+    /// The number of samples among `possible` of the parts that are kept, if there are any.
+    fn unfinished_with(
+        &self,
+        possible: &[u32],
+        sum: impl Fn(u32) -> [u8; 32],
+    ) -> Result<Option<u32>> {
+        for samples in possible {
+            if Journal::open(&self.unfinished(), &sum(*samples))?.found() > 0 {
+                return Ok(Some(*samples));
+            }
+        }
+        Ok(None)
     }
 
     /// The file that keeps finished parts.
@@ -565,39 +640,6 @@ impl Job {
         name.push(".parts");
         name.into()
     }
-}
-
-/// What a bake would cost.
-fn planned(
-    (scene, plan): (&Scene, &Plan),
-    jobs: &[Job],
-    bins: &Bins,
-    precision: CubePrecision,
-) -> String {
-    // Surfaces have no camera and no film.
-    let mut text = match jobs.iter().any(|job| job.surface.is_none()) {
-        true => plan.to_string(),
-        false => plan.of_surfaces().to_string(),
-    };
-    for job in jobs {
-        let [w, h] = job.size(scene);
-        let (rows, backs) = match job.has_backs {
-            true => (h / 2, ", and as many rows of backs if light comes to any"),
-            false => (h, ""),
-        };
-        let samples = u64::from(w) * u64::from(h) * bins.count as u64 * 3;
-        let bytes = samples * precision.bytes();
-        text += &format!(
-            "{}: {rows} rows × {w} columns × {} bins{backs}, {:.1} MB, and as much again for its parts while it is being made\n",
-            job.path.display(),
-            bins.count,
-            bytes as f64 / 1e6
-        );
-        if let Some(gloss) = gloss(plan, job) {
-            text += &format!("  note      {gloss}\n");
-        }
-    }
-    text
 }
 
 /// Writes the light of one object, or of the camera, with the metadata needed to read it.
@@ -622,155 +664,4 @@ fn write(job: &Job, metadata: &[(String, String)], bins: usize, baked: &Baked) -
         metadata,
     };
     npz::write_cube_with(&job.path, &baked.cube, &options)
-}
-
-/// What was written and how a scene uses it, with warnings about what is missing from it.
-fn report(
-    (scene, plan): (&Scene, &Plan),
-    job: &Job,
-    (baked, bins): (&Baked, &Bins),
-    table: &str,
-    // Its bins hold what its film shows, and not all of a wide ground.
-    is_of_flash: bool,
-) -> (String, Vec<String>) {
-    let [h, w, t, _] = baked.cube.shape;
-    let energy = &baked.energy;
-    let mut warnings: Vec<String> = gloss(plan, job).into_iter().collect();
-    let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
-    let backs_are_seen = job.surface.is_some_and(seen);
-    let sides = match baked.backs {
-        CubeBacks::SecondHalf => {
-            format!(
-                ", {} of them of its front and then as many of its back",
-                h / 2
-            )
-        }
-        _ => String::new(),
-    };
-    let all = energy.held + energy.before + energy.after;
-    let mut text = format!(
-        "wrote {}: {h} rows × {w} columns × {t} bins{sides}\n",
-        job.path.display()
-    );
-    let Some([from, to]) = energy.span else {
-        let why = match (job.surface, backs_are_seen) {
-            (None, _) => "no light arrives",
-            // The warning about gloss gives the reason.
-            (Some(_), _) if !warnings.is_empty() => "no diffuse light leaves it",
-            (Some(_), true) => "no diffuse light leaves its fronts or its backs",
-            (Some(_), false) => {
-                "no diffuse light leaves its fronts, and its backs are not seen (display.back_faces = \"two_sided\")"
-            }
-        };
-        warnings.push(format!("{why}: it is black"));
-        return (text, warnings);
-    };
-    let part = |energy: f64| 100.0 * energy / all;
-    text += &format!("light arrives between {from:.6} m and {to:.6} m");
-    if baked.is_dark() && energy.held > 0.0 {
-        let what =
-            "what falls into the bins is too little for the numbers of the file: they are dark";
-        warnings.push(what.into());
-    } else if baked.is_dark() {
-        let end = bins.start + bins.width * bins.count as f64;
-        warnings.push(format!(
-            "none of its light falls into the bins, which are from {} m to {} m: they are dark",
-            number(bins.start),
-            number(end)
-        ));
-    } else if !is_of_flash && (energy.before > 1e-4 * all || energy.after > 1e-4 * all) {
-        warnings.push(format!(
-            "the bins miss {:.2} % of its energy before them and {:.2} % after them",
-            part(energy.before),
-            part(energy.after)
-        ));
-    }
-    let error = 100.0 * baked.relative_error();
-    if error.is_finite() {
-        text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");
-    }
-    (text + "\n\n" + table, warnings)
-}
-
-/// The advice for gloss.
-const WAYS: &str = ": bake what the camera sees (--camera), or follow light with `render.bounces`";
-
-/// The part of an object's light that a texture does not hold: whatever is not reflected diffusely; `None` if there is no such part.
-fn gloss(plan: &Plan, job: &Job) -> Option<String> {
-    let object = &plan.objects[job.surface?.object];
-    if !object.factors.iter().any(Factors::is_glossy) {
-        return None;
-    }
-    // Metal and clear glass have no diffuse part.
-    let is_bare = |f: &Factors| f.metallic >= 1.0 || f.transmission >= 1.0;
-    let part = match object.factors.iter().all(is_bare) {
-        true => "all its light is gloss (metal or glass), which is not baked",
-        false => "its gloss is not baked, only what it reflects diffusely",
-    };
-    let by_texture = match object.textures {
-        true => ", where its textures say so",
-        false => "",
-    };
-    Some(format!(
-        "object \"{}\": {part}{by_texture}{WAYS}",
-        object.name.escape_debug()
-    ))
-}
-
-/// The table with which a scene file reads the cube.
-fn source(
-    (scene, plan): (&Scene, &Plan),
-    prepared: &Prepared,
-    job: &Job,
-    bins: &Bins,
-    baked: &Baked,
-) -> String {
-    let file = job.path.file_name().unwrap_or_default().to_string_lossy();
-    // An archive holds several arrays.
-    let array = match extension(&job.path).as_str() {
-        "npz" => "array = \"radiance\", ",
-        _ => "",
-    };
-    let axis = format!(
-        "file = {file:?}, {array}start = \"{} m\", bin_width = \"{} m\"",
-        number(bins.start),
-        number(bins.width)
-    );
-    match &job.surface {
-        Some(surface) => {
-            let object = &scene.objects[surface.object].name;
-            let (clock, backs) = (baked.clock.name(), baked.backs.name());
-            // The new file of coordinates replaces an existing one.
-            let has_file = scene.objects[surface.object].texture_coordinates.is_some();
-            let own_sets = plan.objects[surface.object].uv_sets - usize::from(has_file);
-            let (before, set) = match surface.coordinates {
-                Coordinates::Set(set) => (String::new(), set),
-                // The set after its own.
-                Coordinates::Atlas => (
-                    format!(
-                        "# Give object {object:?}\n# texture_coordinates = {{ file = {file:?} }}\n"
-                    ),
-                    own_sets,
-                ),
-            };
-            format!(
-                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {set}, backs = \"{backs}\" }}\n",
-                format!("light on {object}"),
-            )
-        }
-        None => {
-            let eye = bake::eye(scene, prepared);
-            let [_, up, forward] = scene.camera.axes;
-            let vector = |v: glam::DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
-            format!(
-                "[[source]]\nname = \"light\"\ncube = {{ {axis}, clock = \"{}\", capture = {{ eye = {}, look_at = {}, up = {}, \
-                 hfov = \"{}\" }} }}\n",
-                baked.clock.name(),
-                vector(eye),
-                vector(eye + forward),
-                vector(up),
-                Angle::of_radians(scene.camera.horizontal_fov)
-            )
-        }
-    }
 }

@@ -1,0 +1,197 @@
+//! What `nullray bake` says of a bake: what it would take, what was written, and how a scene reads it.
+
+use nullray::error::number;
+use nullray::mesh::Factors;
+use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface};
+use nullray::render::plan::Plan;
+use nullray::render::prepare::Prepared;
+use nullray::scene::model::{CubeBacks, Scene};
+use nullray::spacetime::units::Angle;
+
+use super::Job;
+use crate::cli::output::extension;
+
+/// What a bake would cost.
+pub fn planned(
+    (scene, plan): (&Scene, &Plan),
+    jobs: &[Job],
+    bins: &Bins,
+    precision: CubePrecision,
+) -> String {
+    // Surfaces have no camera and no film.
+    let mut text = match jobs.iter().any(|job| job.surface.is_none()) {
+        true => plan.to_string(),
+        false => plan.of_surfaces().to_string(),
+    };
+    for job in jobs {
+        let [w, h] = job.size(scene);
+        let (rows, backs) = match job.has_backs {
+            true => (h / 2, ", and as many rows of backs if light comes to any"),
+            false => (h, ""),
+        };
+        let samples = u64::from(w) * u64::from(h) * bins.count as u64 * 3;
+        let bytes = samples * precision.bytes();
+        text += &format!(
+            "{}: {rows} rows × {w} columns × {} bins{backs}, {:.1} MB, and as much again for its parts while it is being made\n",
+            job.path.display(),
+            bins.count,
+            bytes as f64 / 1e6
+        );
+        if let Some(gloss) = gloss(plan, job) {
+            text += &format!("  note      {gloss}\n");
+        }
+    }
+    text
+}
+
+/// What was written and how a scene uses it, with warnings about what is missing from it.
+pub fn report(
+    (scene, plan): (&Scene, &Plan),
+    job: &Job,
+    (baked, bins): (&Baked, &Bins),
+    table: &str,
+    // Its bins hold what its film shows, and not all of a wide ground.
+    is_of_flash: bool,
+) -> (String, Vec<String>) {
+    let [h, w, t, _] = baked.cube.shape;
+    let energy = &baked.energy;
+    let mut warnings: Vec<String> = gloss(plan, job).into_iter().collect();
+    let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
+    let backs_are_seen = job.surface.is_some_and(seen);
+    let sides = match baked.backs {
+        CubeBacks::SecondHalf => {
+            format!(
+                ", {} of them of its front and then as many of its back",
+                h / 2
+            )
+        }
+        _ => String::new(),
+    };
+    let all = energy.held + energy.before + energy.after;
+    let mut text = format!(
+        "wrote {}: {h} rows × {w} columns × {t} bins{sides}\n",
+        job.path.display()
+    );
+    let Some([from, to]) = energy.span else {
+        let why = match (job.surface, backs_are_seen) {
+            (None, _) => "no light arrives",
+            // The warning about gloss gives the reason.
+            (Some(_), _) if !warnings.is_empty() => "no diffuse light leaves it",
+            (Some(_), true) => "no diffuse light leaves its fronts or its backs",
+            (Some(_), false) => {
+                "no diffuse light leaves its fronts, and its backs are not seen (display.back_faces = \"two_sided\")"
+            }
+        };
+        warnings.push(format!("{why}: it is black"));
+        return (text, warnings);
+    };
+    let part = |energy: f64| 100.0 * energy / all;
+    text += &format!("light arrives between {from:.6} m and {to:.6} m");
+    if baked.is_dark() && energy.held > 0.0 {
+        let what =
+            "what falls into the bins is too little for the numbers of the file: they are dark";
+        warnings.push(what.into());
+    } else if baked.is_dark() {
+        let end = bins.start + bins.width * bins.count as f64;
+        warnings.push(format!(
+            "none of its light falls into the bins, which are from {} m to {} m: they are dark",
+            number(bins.start),
+            number(end)
+        ));
+    } else if !is_of_flash && (energy.before > 1e-4 * all || energy.after > 1e-4 * all) {
+        warnings.push(format!(
+            "the bins miss {:.2} % of its energy before them and {:.2} % after them",
+            part(energy.before),
+            part(energy.after)
+        ));
+    }
+    let error = 100.0 * baked.relative_error();
+    if error.is_finite() {
+        text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");
+    }
+    (text + "\n\n" + table, warnings)
+}
+
+/// The advice for gloss.
+pub const WAYS: &str =
+    ": bake what the camera sees (--camera), or follow light with `render.bounces`";
+
+/// The part of an object's light that a texture does not hold: whatever is not reflected diffusely; `None` if there is no such part.
+fn gloss(plan: &Plan, job: &Job) -> Option<String> {
+    let object = &plan.objects[job.surface?.object];
+    if !object.factors.iter().any(Factors::is_glossy) {
+        return None;
+    }
+    // Metal and clear glass have no diffuse part.
+    let is_bare = |f: &Factors| f.metallic >= 1.0 || f.transmission >= 1.0;
+    let part = match object.factors.iter().all(is_bare) {
+        true => "all its light is gloss (metal or glass), which is not baked",
+        false => "its gloss is not baked, only what it reflects diffusely",
+    };
+    let by_texture = match object.textures {
+        true => ", where its textures say so",
+        false => "",
+    };
+    Some(format!(
+        "object \"{}\": {part}{by_texture}{WAYS}",
+        object.name.escape_debug()
+    ))
+}
+
+/// The table with which a scene file reads the cube.
+pub fn source(
+    (scene, plan): (&Scene, &Plan),
+    prepared: &Prepared,
+    job: &Job,
+    bins: &Bins,
+    baked: &Baked,
+) -> String {
+    let file = job.path.file_name().unwrap_or_default().to_string_lossy();
+    // An archive holds several arrays.
+    let array = match extension(&job.path).as_str() {
+        "npz" => "array = \"radiance\", ",
+        _ => "",
+    };
+    let axis = format!(
+        "file = {file:?}, {array}start = \"{} m\", bin_width = \"{} m\"",
+        number(bins.start),
+        number(bins.width)
+    );
+    match &job.surface {
+        Some(surface) => {
+            let object = &scene.objects[surface.object].name;
+            let (clock, backs) = (baked.clock.name(), baked.backs.name());
+            // The new file of coordinates replaces an existing one.
+            let has_file = scene.objects[surface.object].texture_coordinates.is_some();
+            let own_sets = plan.objects[surface.object].uv_sets - usize::from(has_file);
+            let (before, set) = match surface.coordinates {
+                Coordinates::Set(set) => (String::new(), set),
+                // The set after its own.
+                Coordinates::Atlas => (
+                    format!(
+                        "# Give object {object:?}\n# texture_coordinates = {{ file = {file:?} }}\n"
+                    ),
+                    own_sets,
+                ),
+            };
+            format!(
+                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {set}, backs = \"{backs}\" }}\n",
+                format!("light on {object}"),
+            )
+        }
+        None => {
+            let eye = bake::eye(scene, prepared);
+            let [_, up, forward] = scene.camera.axes;
+            let vector = |v: glam::DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
+            format!(
+                "[[source]]\nname = \"light\"\ncube = {{ {axis}, clock = \"{}\", capture = {{ eye = {}, look_at = {}, up = {}, \
+                 hfov = \"{}\" }} }}\n",
+                baked.clock.name(),
+                vector(eye),
+                vector(eye + forward),
+                vector(up),
+                Angle::of_radians(scene.camera.horizontal_fov)
+            )
+        }
+    }
+}

@@ -42,10 +42,10 @@ fn nesting_and_repetition_end_soon() {
         let many = |count: usize| count / PARTS * parts;
         [
             format!("a = {}", "[".repeat(many(1 << 20))),
-            format!("a = {}", "{a = ".repeat(many(1 << 19))),
-            format!("{}a = 1", "a.".repeat(many(1 << 20))),
-            format!("[{}a]", "a.".repeat(many(1 << 20))),
-            format!("{camera}{}", "[[source]]\n".repeat(many(1 << 18))),
+            format!("a = {}", "{a = ".repeat(many(1 << 17))),
+            format!("{}a = 1", "a.".repeat(many(1 << 18))),
+            format!("[{}a]", "a.".repeat(many(1 << 18))),
+            format!("{camera}{}", "[[source]]\n".repeat(many(1 << 16))),
             format!("{camera}hfov = \"{}\"", "9".repeat(many(1 << 20))),
             format!("{camera}{} = 1", "k".repeat(many(1 << 20))),
             format!(
@@ -53,7 +53,7 @@ fn nesting_and_repetition_end_soon() {
                 object.repeat(many(20_000)),
                 source.repeat(many(20_000))
             ),
-            (0..many(200_000)).map(|i| format!("k{i} = 1\n")).collect(),
+            (0..many(50_000)).map(|i| format!("k{i} = 1\n")).collect(),
         ]
     };
     for (short, long) in texts(1).iter().zip(&texts(PARTS)) {

@@ -81,7 +81,10 @@ fn a_bake_for_an_error_has_it_and_the_bits_of_as_many_samples() {
             last = samples;
             // What it says of itself makes it again.
             let info = folder.ok(&["info", "a.npz"]);
-            assert!(info.contains(&format!("({samples} samples each)")), "{info}");
+            assert!(
+                info.contains(&format!("({samples} samples each)")),
+                "{info}"
+            );
             bake(&["-o", "b.npz", "--spp", &samples.to_string()]);
             assert!(radiance(&folder, "a.npz") == radiance(&folder, "b.npz"));
         }

@@ -11,6 +11,7 @@
 //! least squares, twice, the second time without the tenth of the pixels that fit worst.
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::super::geometry::Field;
 use super::super::picture::Plane;
@@ -116,7 +117,7 @@ fn of_displacements(
     case: &Case,
     pixels: &[usize],
     notable: f64,
-    displacement: impl Fn(usize) -> Option<DVec2>,
+    displacement: impl Fn(usize) -> Option<DVec2> + Sync,
 ) -> Option<(Diagnosis, f64)> {
     let [width, height] = case.points[0].size();
     let half = 0.5 * DVec2::new(width as f64, height as f64);
@@ -124,7 +125,7 @@ fn of_displacements(
         let p = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) - half;
         Some([p, p + displacement(i)?])
     };
-    let mut pairs: Vec<[DVec2; 2]> = pixels.iter().copied().filter_map(pair).collect();
+    let mut pairs: Vec<[DVec2; 2]> = pixels.par_iter().filter_map(|i| pair(*i)).collect();
     if pairs.len() < super::FEWEST {
         return None;
     }

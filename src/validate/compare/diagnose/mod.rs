@@ -579,6 +579,11 @@ impl Tally {
                 return few;
             }
         }
+        Tally::of_all(pixels, distances)
+    }
+
+    /// The distances at all of these pixels.
+    fn of_all(pixels: &[usize], distances: impl Fn(usize) -> Option<[f64; 2]> + Sync) -> Tally {
         let all: Vec<[f64; 2]> = pixels.par_iter().filter_map(|i| distances(*i)).collect();
         Tally::of(all.into_iter())
     }

@@ -653,11 +653,9 @@ fn displaced_from(
 ) -> Tally {
     let points = &case.points[1];
     let [width, _] = points.size();
-    let pixels = case.region.pixels(points.size());
-    let off = pixels.filter(|i| !case.is_mixed(*i)).filter_map(|i| {
-        if let Some(object) = object
-            && points.object_at(i).is_some_and(|id| id != object as f64)
-        {
+    let off = |i: usize| {
+        let is_other = |id: f64| object.is_some_and(|object| id != object as f64);
+        if case.is_mixed(i) || points.object_at(i).is_some_and(is_other) {
             return None;
         }
         let aimed = aim.place(case, known, i);
@@ -667,8 +665,8 @@ fn displaced_from(
         // A point that is not seen, or is far out of view, counts as the width of the picture away.
         let off = |p: DVec2| (p - aimed).length().min(width as f64);
         Some([right.map_or(width as f64, off), off(shown)])
-    });
-    Tally::of(off)
+    };
+    Tally::of_all(case.everywhere(), off)
 }
 
 /// The diagnosis of a camera whose light has the aberration of another velocity. If objects move, light that takes no time may look

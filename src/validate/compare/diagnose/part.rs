@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::super::geometry::Field;
 use super::super::surface::FEWEST_OF_OBJECT;
@@ -42,18 +43,18 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
         return Vec::new();
     };
     let [width, _] = points.size();
-    let mut objects: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for i in case.region.pixels(points.size()) {
-        if case.is_mixed(i) {
-            continue;
-        }
-        let Some((object, p)) = known.point(points, i) else {
-            continue;
-        };
+    let off = |i: &usize| {
+        (!case.is_mixed(*i)).then_some(())?;
+        let (object, p) = known.point(points, *i)?;
         let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
         // A point that is not seen counts as the width of the picture away.
         let off = known.film_point(object, p);
         let off = off.map_or(width as f64, |seen| (seen - centre).length());
+        Some((object, off))
+    };
+    let all: Vec<(usize, f64)> = case.everywhere().par_iter().filter_map(off).collect();
+    let mut objects: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for (object, off) in all {
         objects.entry(object).or_default().push(off);
     }
     objects.retain(|_, off| off.len() >= FEWEST);

@@ -13,6 +13,22 @@ use glam::DVec3;
 
 use crate::colour::ShiftMatrix;
 
+/// The loop that puts the components of each vector together.
+struct Together<'a> {
+    from: [&'a [f64]; 3],
+    to: &'a mut [[f64; 3]],
+}
+
+impl VectorLoop for Together<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let [x, y, z] = self.from;
+        for (to, ((x, y), z)) in self.to.iter_mut().zip(x.iter().zip(y).zip(z)) {
+            *to = [*x, *y, *z];
+        }
+    }
+}
+
 /// A loop over arrays, with what it reads and writes.
 pub(crate) trait VectorLoop {
     /// Runs the loop. Implementations must be `#[inline(always)]`.
@@ -179,9 +195,12 @@ impl Columns {
 
     /// Appends all vectors to `to`.
     pub fn add_to(&self, to: &mut Vec<[f64; 3]>) {
-        let [x, y, z] = self.axes();
-        let all = x.iter().zip(y).zip(z);
-        to.extend(all.map(|((x, y), z)| [*x, *y, *z]));
+        let begin = to.len();
+        to.resize(begin + self.count, [0.0; 3]);
+        dispatch(Together {
+            from: self.axes(),
+            to: &mut to[begin..],
+        });
     }
 
     /// The vectors from `begin` on, which must be the start of a block.

@@ -184,6 +184,9 @@ impl Sampler {
     }
 }
 
+/// The number of samples that are placed together.
+const TOGETHER: usize = 16;
+
 /// The loop over at most `MOST` samples of each pixel, for a grid with powers of two of columns and rows.
 struct ByPixel<'a, const MOST: usize> {
     sampler: &'a Sampler,
@@ -229,11 +232,40 @@ impl<const MOST: usize> VectorLoop for ByPixel<'_, MOST> {
         for (k, index) in (self.first..).take(self.each.min(MOST)).enumerate() {
             ([i[k], j[k]], salts[k]) = sampler.cell_and_salt(index);
         }
-        let of_pixels = self
-            .x
+        // Several pixels at a time whose samples fill a block; then those that are left.
+        let mut done = 0;
+        if self.each == MOST && MOST < TOGETHER {
+            let (mut all_i, mut all_j, mut all_salts) =
+                ([0; TOGETHER], [0; TOGETHER], [0; TOGETHER]);
+            for k in 0..TOGETHER {
+                (all_i[k], all_j[k], all_salts[k]) = (i[k % MOST], j[k % MOST], salts[k % MOST]);
+            }
+            let (to_x, _) = self.x.as_chunks_mut::<TOGETHER>();
+            let (to_y, _) = self.y.as_chunks_mut::<TOGETHER>();
+            let keys = self.pixels.chunks_exact(TOGETHER / MOST);
+            for (keys, (to_x, to_y)) in keys.zip(to_x.iter_mut().zip(to_y)) {
+                let mut hashes = [0; TOGETHER];
+                for (k, key) in keys.iter().enumerate().take(TOGETHER / MOST) {
+                    hashes[k] = hash(key ^ self.salt);
+                }
+                let mut pixels = [0; TOGETHER];
+                for k in 0..TOGETHER {
+                    pixels[k] = hashes[k / MOST];
+                }
+                let (mut x, mut y) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+                for k in 0..TOGETHER {
+                    let cell = [all_i[k], all_j[k]];
+                    [x[k], y[k]] = sampler.offset_of_powers(pixels[k], cell, all_salts[k]);
+                }
+                (*to_x, *to_y) = (x, y);
+                done += TOGETHER / MOST;
+            }
+        }
+        let left = done * self.each;
+        let of_pixels = self.x[left..]
             .chunks_mut(self.each)
-            .zip(self.y.chunks_mut(self.each));
-        for (key, (to_x, to_y)) in self.pixels.iter().zip(of_pixels) {
+            .zip(self.y[left..].chunks_mut(self.each));
+        for (key, (to_x, to_y)) in self.pixels[done..].iter().zip(of_pixels) {
             let pixel = hash(key ^ self.salt);
             let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
             for k in 0..MOST {

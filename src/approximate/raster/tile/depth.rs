@@ -73,14 +73,15 @@ pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, blo
     // are the reads after them.
     let (known_least, known_most) = (samples.least[block], samples.most[block]);
     let known = samples.nearest[block];
-    let mut any = 0;
+    let (mut any, mut is_inside, mut depths) = (0, [0u32; LANES], [0.0; LANES]);
     for i in 0..LANES {
         let ea = a[0] * x[i] + a[1] * y[i] + a[2];
         let eb = b[0] * x[i] + b[1] * y[i] + b[2];
         let ec = c[0] * x[i] + c[1] * y[i] + c[2];
-        let high = dx * x[i] + dy * y[i] + dz + of.slack;
+        let near = dx * x[i] + dy * y[i] + dz;
         let inside = (ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0);
-        any |= u32::from(inside & (high >= known_least[i]) & (known[i] != index));
+        (is_inside[i], depths[i]) = (u32::from(inside), near);
+        any |= u32::from(inside & (near + of.slack >= known_least[i]) & (known[i] != index));
     }
     // Few of the blocks that a small triangle may reach contain samples inside it, and not behind what is seen there.
     if any == 0 {
@@ -89,11 +90,7 @@ pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, blo
     let (mut least, mut most, mut nearest) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
     let mut close = 0;
     for i in 0..LANES {
-        let ea = a[0] * x[i] + a[1] * y[i] + a[2];
-        let eb = b[0] * x[i] + b[1] * y[i] + b[2];
-        let ec = c[0] * x[i] + c[1] * y[i] + c[2];
-        let near = dx * x[i] + dy * y[i] + dz;
-        let inside = (ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0);
+        let (inside, near) = (is_inside[i] != 0, depths[i]);
         let (low, high) = (near - of.slack, near + of.slack);
         let seen = inside & (low > known_most[i]);
         close |= u32::from(inside & (low <= known_most[i]) & (high >= known_least[i]));

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::layout::{Layout, Tile};
 use super::parts::Parts;
-use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::accel::vectors::{BLOCK, VectorLoop, dispatch};
 use crate::light::time_texture::Coverage;
 use crate::render::aov::{Aov, Combine, Why};
 
@@ -457,23 +457,16 @@ struct AddScaled<'a> {
 impl VectorLoop for AddScaled<'_> {
     #[inline(always)]
     fn run(self) {
-        // Eight at a time: their numbers fill whole vectors, each aligned with its factor.
-        let (sums, last_sums) = self.sums.as_chunks_mut::<8>();
-        let (radiance, last) = self.radiance.as_chunks::<8>();
-        let (factors, last_factors) = self.factors.as_chunks::<8>();
-        for ((sums, radiance), factors) in sums.iter_mut().zip(radiance).zip(factors) {
-            let mut wide = [0.0; 24];
-            for k in 0..24 {
-                wide[k] = factors[k / 3];
+        // Each factor three times, then a loop over all numbers. Unrolled by pixels, the loop would be compiled to gathers, which are slow.
+        let mut wide = [[0.0; 3]; BLOCK];
+        let of_blocks = self.radiance.chunks(BLOCK).zip(self.factors.chunks(BLOCK));
+        for (sums, (radiance, factors)) in self.sums.chunks_mut(BLOCK).zip(of_blocks) {
+            for (wide, factor) in wide.iter_mut().zip(factors) {
+                *wide = [*factor; 3];
             }
-            let (sums, radiance) = (sums.as_flattened_mut(), radiance.as_flattened());
-            for k in 0..24 {
-                sums[k] += wide[k] * radiance[k];
-            }
-        }
-        for ((sum, rgb), factor) in last_sums.iter_mut().zip(last).zip(last_factors) {
-            for k in 0..3 {
-                sum[k] += factor * rgb[k];
+            let terms = radiance.as_flattened().iter().zip(wide.as_flattened());
+            for (sum, (value, factor)) in sums.as_flattened_mut().iter_mut().zip(terms) {
+                *sum += factor * value;
             }
         }
     }

@@ -104,15 +104,17 @@ impl<P: Projection> VectorLoop for RatioLoop<'_, P> {
         let [left, top] = self.corner;
         let [x, y] = self.points.map(|all| all.chunks(LANES));
         for ((x, y), to) in x.zip(y).zip(self.ratios.chunks_mut(LANES)) {
-            let (mut at_x, mut at_y) = ([0.0; LANES], [0.0; LANES]);
             // The last points are padded to a whole vector, of which only their part is stored.
-            match (x.first_chunk(), y.first_chunk()) {
-                (Some(x), Some(y)) => (at_x, at_y) = (*x, *y),
-                _ => {
-                    at_x[..x.len()].copy_from_slice(x);
-                    at_y[..y.len()].copy_from_slice(y);
-                }
-            }
+            let mut last = [[0.0; LANES]; 2];
+            let (at_x, at_y): (&[f64; LANES], &[f64; LANES]) =
+                match (x.first_chunk(), y.first_chunk()) {
+                    (Some(x), Some(y)) => (x, y),
+                    _ => {
+                        last[0][..x.len()].copy_from_slice(x);
+                        last[1][..y.len()].copy_from_slice(y);
+                        (&last[0], &last[1])
+                    }
+                };
             // Short loops, one step after the other: compilers do not vectorize long ones for AVX2.
             let (mut dx, mut dy, mut dz) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
             for k in 0..LANES {

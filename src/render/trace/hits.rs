@@ -26,7 +26,7 @@ pub struct HitBuffer {
     hits: Vec<Option<Hit>>,
     /// Runs of consecutive rays that hit the same side of one triangle, or nothing, if known: the end of each run, and its hit.
     alike: Vec<(u32, Option<SurfaceHit>)>,
-    /// The rest frame of each hit; empty if there is only one frame.
+    /// The rest frame of each hit; empty if all are in the first.
     frames: Vec<u32>,
     /// Index of the medium along each ray.
     indices: Vec<f64>,
@@ -70,23 +70,33 @@ impl HitBuffer {
     /// Adds the hit of the next ray.
     #[inline(always)]
     pub(crate) fn push(&mut self, hit: Option<SurfaceHit>) {
+        let before = self.hits.len();
         self.hits.push(hit.map(|found| found.hit));
-        self.frames.push(hit.map_or(0, |found| found.frame));
+        self.record_frame(before, hit.map_or(0, |found| found.frame));
+    }
+
+    /// Records the rest frame of all hits but the `before` first, if any so far is in another than the first frame.
+    #[inline(always)]
+    fn record_frame(&mut self, before: usize, frame: u32) {
+        if frame != 0 || !self.frames.is_empty() {
+            self.frames.resize(before, 0);
+            self.frames.resize(self.hits.len(), frame);
+        }
     }
 
     /// Adds the hits of the next `rays` rays, which all hit the same point or nothing.
     #[inline(always)]
     pub(crate) fn push_alike(&mut self, hit: Option<SurfaceHit>, rays: usize) {
-        let count = self.hits.len() + rays;
+        let before = self.hits.len();
         self.push_run(hit, rays);
-        self.hits.resize(count, hit.map(|found| found.hit));
-        self.frames
-            .resize(count, hit.map_or(0, |found| found.frame));
+        self.hits.resize(before + rays, hit.map(|found| found.hit));
+        self.record_frame(before, hit.map_or(0, |found| found.frame));
     }
 
     /// Adds the hits of rays on one triangle, each with its own distance and weights.
     #[inline(always)]
     pub(crate) fn push_places(&mut self, found: SurfaceHit, s: &[f64], [u, v]: [&[f64]; 2]) {
+        let before = self.hits.len();
         self.push_run(Some(found), s.len());
         let places = s.iter().zip(u.iter().zip(v));
         let hits = places.map(|(s, (u, v))| Hit {
@@ -96,14 +106,17 @@ impl HitBuffer {
             ..found.hit
         });
         self.hits.extend(hits.map(Some));
-        self.frames.resize(self.hits.len(), found.frame);
+        self.record_frame(before, found.frame);
     }
 
     /// Removes the hits of some rays, after all hits have been added.
     pub(crate) fn remove(&mut self, rays: impl Iterator<Item = usize>) {
         // Runs of equal hits no longer hold.
         for ray in rays {
-            (self.hits[ray], self.frames[ray]) = (None, 0);
+            self.hits[ray] = None;
+            if let Some(frame) = self.frames.get_mut(ray) {
+                *frame = 0;
+            }
             self.alike.clear();
         }
     }

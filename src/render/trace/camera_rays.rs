@@ -400,10 +400,11 @@ impl<V: View> RayGenerator for V {
         rays.indices.clear();
         rays.moments.clear();
         rays.keys.clear();
-        (rays.keys).extend(
-            tile.coordinates()
-                .map(|(column, row)| pixel_key(column, row)),
-        );
+        let [left, top] = tile.corner;
+        let [width, height] = tile.size;
+        for row in top..top + height {
+            (rays.keys).extend((left..left + width).map(|column| pixel_key(column, row)));
+        }
         // The key of each pixel, for all of its samples.
         let of_pixels = rays.pixels.chunks_exact_mut(each.max(1));
         for (of_one, key) in of_pixels.zip(&rays.keys) {

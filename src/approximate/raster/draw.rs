@@ -1,14 +1,16 @@
 //! From samples to radiance: what each sample sees, in the ray tracer's data structures.
 
+use std::iter;
 use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::RayOrigin;
 use crate::error::{Error, Result};
 use crate::light::time_texture::Coverage;
-use crate::render::film::{Film, TILE, Tile, TileFilm};
+use crate::render::film::{AddScaled, Film, TILE, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{
@@ -108,41 +110,82 @@ impl Strip {
         (self.first * self.rows.size[0]) as usize + sample / self.each
     }
 
-    /// Fills `x` and `y` with the film points of its samples, pixels from the corner of the tile, from the positions in their pixels.
-    pub fn points(&self, [in_x, in_y]: [&[f64]; 2], x: &mut Vec<f64>, y: &mut Vec<f64>) {
-        let Strip { rows, first, each } = *self;
+    /// Fills `x` and `y` with the film points of its samples, pixels from `corner`, from the positions in their pixels. `columns` are those of
+    /// the samples of a row.
+    pub fn points(
+        &self,
+        columns: &mut SampleColumns,
+        corner: [u32; 2],
+        [in_x, in_y]: [&[f64]; 2],
+        [x, y]: [&mut Vec<f64>; 2],
+    ) {
+        let Strip { rows, each, .. } = *self;
         let count = rows.pixels() * each;
         x.resize(count, 0.0);
         y.resize(count, 0.0);
-        let in_row = rows.size[0] as usize * each;
-        for (row, begin) in (first..).zip((0..count).step_by(in_row.max(1))) {
-            let samples = begin..begin + in_row;
-            for (y, in_y) in y[samples.clone()].iter_mut().zip(&in_y[samples.clone()]) {
-                *y = f64::from(row) + in_y;
-            }
-            if each == 1 {
-                // The same as below, in a vectorized loop.
-                for (column, (x, in_x)) in
-                    (0u32..).zip(x[samples.clone()].iter_mut().zip(&in_x[samples]))
-                {
-                    *x = f64::from(column) + in_x;
-                }
-                continue;
-            }
-            let columns = x[samples.clone()].chunks_exact_mut(each);
-            let in_columns = in_x[samples].chunks_exact(each);
-            for (column, (x, in_x)) in (0..).zip(columns.zip(in_columns)) {
-                let column = f64::from(column);
-                for (x, in_x) in x.iter_mut().zip(in_x) {
-                    *x = column + in_x;
-                }
-            }
-        }
+        let [left, top] = [0, 1].map(|k| rows.corner[k] - corner[k]);
+        dispatch(PlacePoints {
+            columns: columns.of(rows.size[0] as usize, each),
+            corner: [left, top],
+            from: [&in_x[..count], &in_y[..count]],
+            to: [x, y],
+        });
     }
 
     /// Whether it has exactly one sample for each pixel of `tile`.
     pub fn is_all_of(&self, tile: Tile) -> bool {
         self.each == 1 && self.rows.size == tile.size
+    }
+}
+
+/// The column of each sample of a row of pixels, counted from the first.
+#[derive(Debug, Default)]
+pub(super) struct SampleColumns {
+    each: usize,
+    columns: Vec<f64>,
+}
+
+impl SampleColumns {
+    /// The columns of `width` pixels with `each` samples, which are known already in most strips.
+    fn of(&mut self, width: usize, each: usize) -> &[f64] {
+        if self.each != each || self.columns.len() != width * each {
+            self.each = each;
+            self.columns.clear();
+            let all = (0..width as u32).flat_map(|column| iter::repeat_n(f64::from(column), each));
+            self.columns.extend(all);
+        }
+        &self.columns
+    }
+}
+
+/// The loop from positions in pixels to film points.
+struct PlacePoints<'a> {
+    columns: &'a [f64],
+    /// Column and row of the first pixel.
+    corner: [u32; 2],
+    from: [&'a [f64]; 2],
+    to: [&'a mut [f64]; 2],
+}
+
+impl VectorLoop for PlacePoints<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let (in_row, [in_x, in_y], [x, y]) = (self.columns.len().max(1), self.from, self.to);
+        let [left, top] = self.corner;
+        let left = f64::from(left);
+        for (x, in_x) in x.chunks_mut(in_row).zip(in_x.chunks(in_row)) {
+            // Whole numbers first: their sum is exact, so that there is one rounding.
+            for ((x, in_x), column) in x.iter_mut().zip(in_x).zip(self.columns) {
+                *x = (left + column) + in_x;
+            }
+        }
+        let rows = (top..).zip(y.chunks_mut(in_row).zip(in_y.chunks(in_row)));
+        for (row, (y, in_y)) in rows {
+            let row = f64::from(row);
+            for (y, in_y) in y.iter_mut().zip(in_y) {
+                *y = row + in_y;
+            }
+        }
     }
 }
 
@@ -175,14 +218,15 @@ impl<'a> SampleSums<'a> {
     /// Adds the samples to the film.
     fn finish(self) {
         let first = self.strip.pixel(0);
-        for (pixel, sums) in (first..).zip(self.sums.chunks(self.strip.each)) {
-            self.film.add_samples(pixel, sums);
-        }
+        self.film.add_samples(first, self.strip.each, self.sums);
     }
 
-    /// Fills the buffer with the pixels of `samples`.
+    /// Fills the buffer with the pixels of `samples`; only with as many numbers if the film has no channel of what is known, and reads none.
     fn take_pixels(&mut self, samples: &[u32]) {
         let strip = self.strip;
+        if !self.film.has_coverage_channels() {
+            return self.pixels.resize(samples.len(), 0);
+        }
         self.pixels.clear();
         let pixels = samples.iter().map(|s| strip.pixel(*s as usize) as u32);
         self.pixels.extend(pixels);
@@ -198,12 +242,12 @@ impl RadianceSink for SampleSums<'_> {
     }
 
     fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
-        let sums = self.sums[first..].iter_mut();
-        for (sum, (rgb, factor)) in sums.zip(radiance.iter().zip(factors)) {
-            for (sum, value) in sum.iter_mut().zip(rgb) {
-                *sum += factor * value;
-            }
-        }
+        let sums = &mut self.sums[first..first + radiance.len()];
+        dispatch(AddScaled {
+            sums,
+            radiance,
+            factors,
+        });
     }
 
     fn add_blind(&mut self, ray: usize) {
@@ -312,8 +356,10 @@ pub(super) struct StripSamples<'a> {
 
 impl StripSamples<'_> {
     /// Fills `x` and `y` with the film points of the samples, pixels from the corner of the tile.
-    pub fn points(&self, x: &mut Vec<f64>, y: &mut Vec<f64>) {
-        self.strip.points(self.camera_rays.offsets(), x, y);
+    pub fn points(&self, columns: &mut SampleColumns, points: [&mut Vec<f64>; 2]) {
+        let Strip { rows, first, .. } = self.strip;
+        let corner = [rows.corner[0], rows.corner[1] - first];
+        (self.strip).points(columns, corner, self.camera_rays.offsets(), points);
     }
 
     /// Makes room for one ray for each sample in `rays`: the camera rays, if these are needed.

@@ -13,7 +13,7 @@
 
 use std::ops::Range;
 
-use super::draw::{Painter, Strip};
+use super::draw::{Painter, SampleColumns, Strip};
 use super::ratios::CameraRatios;
 use super::tile::{Gathered, NOTHING, TileBuffers, WHOLE};
 use super::triangles::{Triangles, is_front};
@@ -32,6 +32,8 @@ pub(super) struct Even<'a> {
     sampler: Sampler,
     ratios: CameraRatios<'a>,
     scaled: Scaling,
+    /// The factor at W = 1.
+    one: f64,
     background: [f64; 3],
     /// The patches of all frames, and where those of each begin.
     patches: Vec<EvenPatch>,
@@ -73,6 +75,7 @@ struct Positions {
     /// In pixels, from the corner of each pixel.
     x: Vec<f64>,
     y: Vec<f64>,
+    columns: SampleColumns,
 }
 
 /// Consecutive samples that see the same patch.
@@ -116,7 +119,10 @@ impl<'a> Even<'a> {
             first.is_some_and(|patch: &EvenPatch| patch.has_ratios)
         };
         let batches = triangles.batches.iter();
+        let mut one = Vec::new();
+        weigh(scaled, &[1.0], &mut one);
         Some(Even {
+            one: one[0],
             batches_with_ratios: batches.map(|batch| has_ratios(batch.frame)).collect(),
             triangles,
             sampler: scene.sampler,
@@ -191,7 +197,7 @@ impl Painter for Even<'_> {
         if are_pixels {
             let is_sampled = triangles.begin_pixels(&strip, &self.batches_with_ratios);
             positions.sample(&self.sampler, samples.clone(), is_sampled);
-            let Positions { keys, x, y } = &mut *positions;
+            let Positions { keys, x, y, .. } = &mut *positions;
             let mut sample = |pixel: usize, x: &mut [f64], y: &mut [f64]| {
                 let own = pixel * strip.each..(pixel + 1) * strip.each;
                 let keys = &keys[pixel..=pixel];
@@ -201,7 +207,7 @@ impl Painter for Even<'_> {
             triangles.cover_pixels(&strip, (x, y), &mut sample);
         } else {
             positions.sample_run(&self.sampler, samples, 0..strip.rows.pixels());
-            strip.points([&positions.x, &positions.y], x, y);
+            positions.points(&strip, tile.corner, [x, y]);
             match strip.is_all_of(tile) {
                 true => triangles.cover_tile(&pieces, tile, x, y),
                 false => triangles.cover(&strip, x, y),
@@ -238,15 +244,22 @@ impl Painter for Even<'_> {
             false => triangles.each_run(strip.samples(), see),
         }
         // W of the samples that need it, frame by frame, in the order of samples.
+        let has_ratios = |run: &PatchRun| {
+            let known = self.patches.get(run.patch as usize);
+            known.is_some_and(|patch| patch.has_ratios)
+        };
+        let all_have_ratios = runs.iter().all(has_ratios);
         x.clear();
         y.clear();
+        if all_have_ratios {
+            positions.points(&strip, [0; 2], [x, y]);
+        }
         let mut begin = 0;
         for run in &mut *runs {
             let own = begin..begin + run.samples as usize;
+            run.at = if all_have_ratios { begin } else { x.len() } as u32;
             begin = own.end;
-            let known = self.patches.get(run.patch as usize);
-            run.at = x.len() as u32;
-            if known.is_some_and(|patch| patch.has_ratios) {
+            if has_ratios(run) && !all_have_ratios {
                 positions.append(strip.each, own, [x, y]);
             }
         }
@@ -267,17 +280,10 @@ impl Painter for Even<'_> {
             (self.ratios).fill(rest, points, [0.0; 2], &mut ratios[own]);
         }
         weigh(self.scaled, ratios, factors);
-        // At W = 1.
-        let one = {
-            let mut one = Vec::new();
-            weigh(self.scaled, &[1.0], &mut one);
-            one[0]
-        };
         let unmet = runs.iter().filter(|run| run.patch == NOTHING);
         film.add_unmet(unmet.map(|run| u64::from(run.samples)).sum());
         dispatch(AddUp {
             even: self,
-            one,
             strip: &strip,
             runs,
             factors,
@@ -332,6 +338,11 @@ impl Positions {
         }
     }
 
+    /// Sets `to` to the film points of all samples of `strip`, pixels from `corner`.
+    fn points(&mut self, strip: &Strip, corner: [u32; 2], to: [&mut Vec<f64>; 2]) {
+        strip.points(&mut self.columns, corner, [&self.x, &self.y], to);
+    }
+
     /// Appends the film points of some samples, `each` per pixel, to `x` and `y`.
     fn append(&self, each: usize, samples: Range<usize>, [x, y]: [&mut Vec<f64>; 2]) {
         let from = x.len();
@@ -362,8 +373,6 @@ impl Positions {
 /// The loop over runs that adds their radiance to their pixels, sample by sample.
 struct AddUp<'a> {
     even: &'a Even<'a>,
-    /// The factor at W = 1.
-    one: f64,
     strip: &'a Strip,
     runs: &'a [PatchRun],
     factors: &'a [f64],
@@ -394,16 +403,16 @@ impl VectorLoop for AddUp<'_> {
             if each == 1 {
                 let own = pixel..pixel + run.samples as usize;
                 pixel = own.end;
-                let factor = if is_seen { self.one } else { 1.0 };
+                let factor = if is_seen { self.even.one } else { 1.0 };
                 match factors {
                     [] => {
-                        for pixel in own {
-                            add(self.film.sum_mut(pixel), factor, colour);
+                        for sum in self.film.sums_mut(own) {
+                            add(sum, factor, colour);
                         }
                     }
                     factors => {
-                        for (pixel, factor) in own.zip(factors) {
-                            add(self.film.sum_mut(pixel), *factor, colour);
+                        for (sum, factor) in self.film.sums_mut(own).iter_mut().zip(factors) {
+                            add(sum, *factor, colour);
                         }
                     }
                 }
@@ -421,7 +430,7 @@ impl VectorLoop for AddUp<'_> {
                         }
                     }
                     _ => {
-                        let factor = if is_seen { self.one } else { 1.0 };
+                        let factor = if is_seen { self.even.one } else { 1.0 };
                         // One at a time, like the ray tracer: a product with their number would be rounded differently.
                         for _ in 0..now {
                             for k in 0..4 {

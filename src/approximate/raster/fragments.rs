@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::draw::{RayBatch, StripSamples};
+use super::draw::{RayBatch, SampleColumns, StripSamples};
 use super::surfaces::{Surface, place};
 use super::tile::NOTHING;
 use super::triangles::Triangles;
@@ -34,6 +34,7 @@ struct Run {
 pub(super) struct Fragments {
     /// The number of samples. Lists with an entry per sample have room for [`LANES`] more.
     count: usize,
+    columns: SampleColumns,
     /// Their points in the tile.
     x: Vec<f64>,
     y: Vec<f64>,
@@ -50,7 +51,7 @@ impl Fragments {
     /// Takes over `samples`, and makes room for their rays in `rays` if these will be turned to the fragments.
     pub fn start(&mut self, samples: &StripSamples, needed: Dependence, rays: &mut RayBatch) {
         self.count = samples.strip.samples();
-        samples.points(&mut self.x, &mut self.y);
+        samples.points(&mut self.columns, [&mut self.x, &mut self.y]);
         for places in [&mut self.x, &mut self.y] {
             places.resize(self.count + LANES, 0.0);
         }
@@ -104,22 +105,26 @@ impl Fragments {
                 c: &mut self.c,
                 weights: (all.needed == Dependence::Weights).then_some(&mut self.weights),
             });
-            self.look(all, samples, surfaces, rays);
         }
-        self.meet(all, samples, surfaces, rays);
+        let are_there = all.needed == Dependence::Patch || self.look(all, samples, surfaces, rays);
+        self.meet(all, surfaces, rays);
+        if !are_there {
+            self.remove(samples, surfaces, rays);
+        }
         if all.has_interpolated_attributes() {
             self.interpolate(all, samples, surfaces, rays);
         }
     }
 
-    /// Turns the rays to the fragments.
+    /// Turns the rays to the fragments. Returns whether all are at a distance from the camera.
     fn look(
         &mut self,
         all: &Triangles,
         strip: &StripSamples,
         surfaces: &[Surface],
         rays: &mut RayBatch,
-    ) {
+    ) -> bool {
+        let mut are_there = true;
         let corner = strip.tile_corner();
         let frame_of = |run: &Run| surfaces.get(run.surface as usize).map(|s| s.frame);
         for runs in self.runs.chunk_by(|a, b| frame_of(a) == frame_of(b)) {
@@ -137,22 +142,29 @@ impl Fragments {
                 directions: &mut rays.directions[samples.clone()],
                 distances: &mut self.distances[samples.clone()],
                 ratios: &mut rays.ratios[samples],
+                are_there: &mut are_there,
             });
         }
+        are_there
+    }
+
+    /// Removes the hits at the camera's own position.
+    #[cold]
+    fn remove(&self, samples: &StripSamples, surfaces: &[Surface], rays: &mut RayBatch) {
+        let placed = self.runs.iter();
+        let placed = placed.filter(|run| surfaces.get(run.surface as usize).is_some());
+        let removed = placed.flat_map(|run| run.begin..run.end);
+        let removed = removed.filter(|ray| !is_there(self.distances[*ray]));
+        let removed: Vec<_> = removed.collect();
+        for ray in &removed {
+            samples.look(*ray, rays);
+        }
+        rays.hits.remove(removed.into_iter());
     }
 
     /// Records what the rays hit.
-    fn meet(
-        &self,
-        all: &Triangles,
-        samples: &StripSamples,
-        surfaces: &[Surface],
-        rays: &mut RayBatch,
-    ) {
+    fn meet(&self, all: &Triangles, surfaces: &[Surface], rays: &mut RayBatch) {
         let is_placed = all.needed > Dependence::Patch;
-        // There is no hit at the camera's own position.
-        let is_there = |s: f64| (s > 0.0) & (s < f64::INFINITY);
-        let mut removed = Vec::new();
         for run in &self.runs {
             let on_surface = |surface: &Surface, s: f64, [u, v]: [f64; 2]| SurfaceHit {
                 hit: Hit {
@@ -181,14 +193,7 @@ impl Fragments {
             let distances = &self.distances[own.clone()];
             let weights = self.weights.each_ref().map(|all| &all[own.clone()]);
             (rays.hits).push_places(on_surface(surface, 0.0, [0.0; 2]), distances, weights);
-            if !distances.iter().fold(true, |all, s| all & is_there(*s)) {
-                removed.extend(own.filter(|ray| !is_there(self.distances[*ray])));
-            }
         }
-        for ray in &removed {
-            samples.look(*ray, rays);
-        }
-        rays.hits.remove(removed.into_iter());
     }
 
     /// Turns rays to those that hit the fragments at interpolated times, with interpolated W.
@@ -235,6 +240,12 @@ impl Fragments {
             }
         }
     }
+}
+
+/// Whether a point at this distance can be seen: there is no hit at the camera's own position.
+#[inline(always)]
+fn is_there(s: f64) -> bool {
+    (s > 0.0) & (s < f64::INFINITY)
 }
 
 /// The loop over runs that computes the positions of fragments on their surfaces.
@@ -312,6 +323,8 @@ struct Look<'a> {
     distances: &'a mut [f64],
     /// W of the samples; on return, W that sources at rest in the world would have, from which shading derives the rest.
     ratios: &'a mut [f64],
+    /// Set to false if any of them is not there.
+    are_there: &'a mut bool,
 }
 
 impl VectorLoop for Look<'_> {
@@ -336,6 +349,11 @@ impl VectorLoop for Look<'_> {
                 *direction = d.get(k);
             }
             store(&distances, self.distances, begin);
+            let mut absent = 0;
+            for s in &distances[..directions.len()] {
+                absent |= u32::from(!is_there(*s));
+            }
+            *self.are_there &= absent == 0;
             // Shading multiplies by the factor of the fragment's direction.
             if is_moving {
                 for (k, rho) in rhos.iter_mut().enumerate() {

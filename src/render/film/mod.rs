@@ -8,6 +8,7 @@ mod parts;
 mod tile;
 
 pub use layout::{Layout, TILE, Tile};
+pub(crate) use tile::AddScaled;
 pub use tile::TileFilm;
 
 use std::sync::{Mutex, PoisonError};

@@ -167,15 +167,24 @@ impl TileFilm {
         &mut self.radiance[pixel]
     }
 
-    /// Adds the radiance of samples of one pixel, one after the other.
-    pub(crate) fn add_samples(&mut self, pixel: usize, samples: &[[f64; 3]]) {
-        let mut sum = self.radiance[pixel];
-        for sample in samples {
-            for (sum, value) in sum.iter_mut().zip(sample) {
-                *sum += value;
-            }
-        }
-        self.radiance[pixel] = sum;
+    /// The same of consecutive pixels.
+    #[inline(always)]
+    pub(crate) fn sums_mut(&mut self, pixels: Range<usize>) -> &mut [[f64; 3]] {
+        &mut self.radiance[pixels]
+    }
+
+    /// Adds the radiance of `each` samples of each pixel from `first` on, one after the other.
+    pub(crate) fn add_samples(&mut self, first: usize, each: usize, samples: &[[f64; 3]]) {
+        dispatch(AddSamples {
+            sums: &mut self.radiance[first..],
+            each,
+            samples,
+        });
+    }
+
+    /// Whether [`TileFilm::add_held`] and [`TileFilm::cover`] record anything by pixel.
+    pub(crate) fn has_coverage_channels(&self) -> bool {
+        !self.held.is_empty() || !self.missing.is_empty()
     }
 
     /// Adds the radiance of consecutive rays from `first` on, each to its pixel.
@@ -353,7 +362,7 @@ impl TileFilm {
     pub(crate) fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
         let mut begin = 0;
         self.from_data += rays.len() as f64;
-        let has_channels = !self.held.is_empty() || !self.missing.is_empty();
+        let has_channels = self.has_coverage_channels();
         // Without channels only the sum is needed: it stays in registers. Fully covered samples are counted rather than added up: this is
         // exact, however many there are.
         let mut sum = self.coverage;
@@ -447,11 +456,39 @@ impl TileFilm {
     }
 }
 
-/// The loop that adds radiance, times its factors, to the sums.
-struct AddScaled<'a> {
+/// The loop that adds samples to the sums of their pixels.
+struct AddSamples<'a> {
     sums: &'a mut [[f64; 3]],
-    radiance: &'a [[f64; 3]],
-    factors: &'a [f64],
+    /// The number of samples of a pixel.
+    each: usize,
+    samples: &'a [[f64; 3]],
+}
+
+impl VectorLoop for AddSamples<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let of_pixels = self.samples.chunks(self.each.max(1));
+        for (sum, samples) in self.sums.iter_mut().zip(of_pixels) {
+            // In a vector of four.
+            let [r, g, b] = *sum;
+            let mut wide = [r, g, b, 0.0];
+            for [r, g, b] in samples {
+                let sample = [*r, *g, *b, 0.0];
+                for k in 0..4 {
+                    wide[k] += sample[k];
+                }
+            }
+            let [r, g, b, _] = wide;
+            *sum = [r, g, b];
+        }
+    }
+}
+
+/// The loop that adds radiance, times its factors, to the sums.
+pub(crate) struct AddScaled<'a> {
+    pub sums: &'a mut [[f64; 3]],
+    pub radiance: &'a [[f64; 3]],
+    pub factors: &'a [f64],
 }
 
 impl VectorLoop for AddScaled<'_> {

@@ -520,23 +520,42 @@ mod tests {
     use super::*;
     use crate::accel::Precision;
 
-    #[test]
-    fn rays_in_a_row_are_added_as_each_of_them_is() {
-        let layout = Layout {
-            size: [5, 3],
+    fn layout(size: [u32; 2]) -> Layout {
+        Layout {
+            size,
             samples: 2,
             pixel_centers: false,
             precision: Precision::Certified,
             channels: Vec::new(),
             has_gaps: false,
             covers_itself: false,
-        };
-        let radiance: Vec<[f64; 3]> = (1..20)
-            .map(|k| [1.0, 0.1, 0.7].map(|c| c / f64::from(k)))
-            .collect();
-        let factors: Vec<f64> = (1..20).map(|k| 1.0 + 0.3 / f64::from(k)).collect();
+        }
+    }
+
+    /// Different values, whose sums depend on their order.
+    fn radiance(count: usize) -> Vec<[f64; 3]> {
+        let all = (1..=count).map(|k| [1.0, 0.1, 0.7].map(|c| c / k as f64));
+        all.collect()
+    }
+
+    #[test]
+    fn rays_in_a_row_are_added_as_each_of_them_is() {
+        // More pixels than a block has.
+        let layout = layout([13, 11]);
+        let radiance = radiance(160);
+        let factors: Vec<f64> = (1..161).map(|k| 1.0 + 0.3 / f64::from(k)).collect();
         // Some rays of the first sample, its last ray, and rays of both samples.
-        for (first, count) in [(0, 15), (3, 4), (14, 1), (10, 19), (20, 3), (2, 0)] {
+        let some = [
+            (0, 143),
+            (3, 4),
+            (7, 64),
+            (1, 65),
+            (142, 1),
+            (10, 160),
+            (150, 3),
+            (2, 0),
+        ];
+        for (first, count) in some {
             let tile = Tile::of_image(layout.size, 0);
             let [mut together, mut alone] = [(); 2].map(|()| TileFilm::new(tile, &layout));
             // Twice, so that the sums are not zero.
@@ -547,7 +566,32 @@ mod tests {
                 }
             }
             assert_eq!(together.radiance, alone.radiance, "{first} {count}");
-            assert_eq!(count == 0, together.radiance == [[0.0; 3]; 15]);
+            assert_eq!(count == 0, together.radiance == [[0.0; 3]; 143]);
+        }
+    }
+
+    #[test]
+    fn samples_of_pixels_are_added_as_each_of_them_is() {
+        let layout = layout([13, 11]);
+        let tile = Tile::of_image(layout.size, 0);
+        for (first, each, pixels) in [
+            (0, 1, 143),
+            (26, 4, 39),
+            (13, 3, 26),
+            (142, 16, 1),
+            (0, 2, 0),
+        ] {
+            let radiance = radiance(pixels * each);
+            let [mut together, mut alone] = [(); 2].map(|()| TileFilm::new(tile, &layout));
+            for _ in 0..2 {
+                together.add_samples(first, each, &radiance);
+                for (k, sample) in radiance.iter().enumerate() {
+                    alone.add(first + k / each, *sample);
+                }
+            }
+            assert_eq!(together.radiance, alone.radiance, "{first} {each}");
+            let lit = together.radiance.iter().filter(|sum| **sum != [0.0; 3]);
+            assert_eq!(lit.count(), pixels);
         }
     }
 }

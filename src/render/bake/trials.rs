@@ -118,7 +118,13 @@ impl<'a> Trials<'a> {
     pub fn run(&self, samples: u32, progress: &dyn Progress) -> Result<Trial> {
         // Other random numbers than those of the bake.
         let (sampler, samples) = sampling(!self.scene.seed, samples);
-        let (all, parts): (usize, Vec<Part>) = match &self.kind {
+        // Only the sums of each part are kept: the numbers of all texels tried may take as much memory as a cube.
+        let sums = |part: Part| {
+            let texels = part.covered.len();
+            progress.rays_done(texels as u64 * u64::from(samples));
+            (texels, part.summary)
+        };
+        let (all, tried): (usize, Vec<(usize, Summary)>) = match &self.kind {
             Kind::Surface(charts, [width, height]) => {
                 let texels = Texels {
                     charts,
@@ -128,8 +134,7 @@ impl<'a> Trials<'a> {
                 let row = |i: usize| {
                     let columns = self.tried(i, *width);
                     let part = texels.row(i, columns, (sampler, samples), progress)?;
-                    progress.rays_done(part.covered.len() as u64 * u64::from(samples));
-                    Ok(part)
+                    Ok(sums(part))
                 };
                 let rows = (0..*height).into_par_iter().map(row);
                 (width * height, rows.collect::<Result<_>>()?)
@@ -140,20 +145,19 @@ impl<'a> Trials<'a> {
                 let tiles: Vec<Tile> = self.tiles().collect();
                 let make = |rays: &mut CameraRays, tile: Tile| {
                     let part = pixels.of_tile(tile, rays, progress)?;
-                    progress.rays_done(part.covered.len() as u64 * u64::from(samples));
-                    Ok(part)
+                    Ok(sums(part))
                 };
                 let tiles = tiles.into_par_iter().map_init(CameraRays::default, make);
                 let [width, height] = self.prepared.layout.size.map(|n| n as usize);
                 (width * height, tiles.collect::<Result<_>>()?)
             }
         };
-        let tried: usize = parts.iter().map(|part| part.covered.len()).sum();
-        let sum = |of: fn(&Summary) -> f64| parts.iter().map(|part| of(&part.summary)).sum::<f64>();
+        let texels: usize = tried.iter().map(|(texels, _)| texels).sum();
+        let sum = |of: fn(&Summary) -> f64| tried.iter().map(|(_, sums)| of(sums)).sum::<f64>();
         let errors = sum(|summary| summary.error_squares.iter().sum());
         Ok(Trial {
             relative_error: (errors / sum(|summary| summary.energy_squares)).sqrt(),
-            share: tried as f64 / all as f64,
+            share: texels as f64 / all as f64,
         })
     }
 

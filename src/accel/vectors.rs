@@ -13,22 +13,6 @@ use glam::DVec3;
 
 use crate::colour::ShiftMatrix;
 
-/// The loop that puts the components of each vector together.
-struct Together<'a> {
-    from: [&'a [f64]; 3],
-    to: &'a mut [[f64; 3]],
-}
-
-impl VectorLoop for Together<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let [x, y, z] = self.from;
-        for (to, ((x, y), z)) in self.to.iter_mut().zip(x.iter().zip(y).zip(z)) {
-            *to = [*x, *y, *z];
-        }
-    }
-}
-
 /// A loop over arrays, with what it reads and writes.
 pub(crate) trait VectorLoop {
     /// Runs the loop. Implementations must be `#[inline(always)]`.
@@ -236,6 +220,22 @@ impl Columns {
     pub fn store(&mut self, from: &Vectors, begin: usize) {
         for (from, to) in from.0.iter().zip(&mut self.columns) {
             store(from, to, begin);
+        }
+    }
+}
+
+/// The loop that puts the components of each vector together.
+struct Together<'a> {
+    from: [&'a [f64]; 3],
+    to: &'a mut [[f64; 3]],
+}
+
+impl VectorLoop for Together<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let [x, y, z] = self.from;
+        for (to, ((x, y), z)) in self.to.iter_mut().zip(x.iter().zip(y).zip(z)) {
+            *to = [*x, *y, *z];
         }
     }
 }

@@ -80,7 +80,7 @@ fn main() {
         bench.mesh(&format!("{name}x16"), &triangles, place, scene::MAIN_CASES);
     }
     bench.several_velocities();
-    bench.wide_views();
+    bench.skies();
     bench.lit();
     bench.spectra();
 }
@@ -215,14 +215,14 @@ impl Bench {
         }
     }
 
-    /// Wide views of a panorama alone, most of whose pixels are wider than its texels, and of nothing.
-    fn wide_views(&mut self) {
+    /// Views of a panorama or stars alone, and of nothing; in wide ones, most pixels are wider than the panorama's texels.
+    fn skies(&mut self) {
         scene::write_panorama(self.folder.path());
-        for view in scene::WIDE {
-            for (what, sky) in [("nothing", ""), ("panorama", scene::PANORAMA)] {
+        for view in scene::VIEWS {
+            for (what, sky) in scene::SKIES {
                 let name = format!("sky/0.9c, {}, {what}", view.0);
                 if self.chooses(&name) {
-                    let text = scene::wide(*view, sky, self.size.image);
+                    let text = scene::of_sky(*view, sky, self.size.image);
                     let prepared = Files::none(self.folder.path()).prepare(&text);
                     self.measure(&name, &prepared, Way::default(), None);
                 }

@@ -340,7 +340,7 @@ fn source(light: &Light, c: DVec3, r: f64, eye: DVec3) -> String {
                 "[[source]]\n{bins}clock = \"capture\"\nfilter = \"cubic\"\ncapture = {camera}\n"
             )
         }
-        Light::Panorama => PANORAMA.into(),
+        Light::Panorama => PANORAMA.1.into(),
         Light::Sky => "[sky]\ngradient = {}\nlights = false\n".into(),
         Light::Lamp { shadows, count, .. } => {
             let lamp = |k| {
@@ -362,19 +362,42 @@ fn source(light: &Light, c: DVec3, r: f64, eye: DVec3) -> String {
     }
 }
 
-/// A sky that is seen, and lights nothing.
-pub const PANORAMA: &str = "[sky]\nimage = { file = \"sky.hdr\" }\nlights = false\n";
+/// Skies that are seen, and light nothing. By default a scene has 5000 stars, up to magnitude 6; 14,000 are brighter than 7.
+pub const SKIES: &[(&str, &str)] = &[
+    ("nothing", "[sky]\nradiance = [0, 0, 0]\nlights = false\n"),
+    PANORAMA,
+    (
+        "5000 stars",
+        "[sky]\nstars = { count = 5000 }\nlights = false\n",
+    ),
+    (
+        "14,000 stars",
+        "[sky]\nstars = { count = 14000 }\nlights = false\n",
+    ),
+    (
+        "100,000 stars",
+        "[sky]\nstars = { count = 100000 }\nlights = false\n",
+    ),
+];
 
-/// A projection at 0.9 c in the direction of its middle, and its field of view in degrees.
-pub const WIDE: &[(&str, u32)] = &[("equirectangular", 360), ("fisheye_equidistant", 180)];
+const PANORAMA: (&str, &str) = (
+    "panorama",
+    "[sky]\nimage = { file = \"sky.hdr\" }\nlights = false\n",
+);
 
-/// `sky` as such a camera sees it, and a speck: a scene has an object.
-pub fn wide((projection, degrees): (&str, u32), sky: &str, width: u32) -> String {
-    let size = [width, width * 180 / degrees];
+/// A projection at 0.9 c in the direction of its middle, its field of view in degrees, and columns per row.
+pub const VIEWS: &[(&str, u32, u32)] = &[
+    ("perspective", 60, 1),
+    ("equirectangular", 360, 2),
+    ("fisheye_equidistant", 180, 1),
+];
+
+/// `sky` as such a camera sees it.
+pub fn of_sky((projection, degrees, columns): (&str, u32, u32), sky: &str, width: u32) -> String {
+    let size = [width, width / columns];
     format!(
         "[display]\nsamples_per_pixel = 1\n[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\n\
-         projection = \"{projection}\"\nhfov = \"{degrees} deg\"\nsize = {size:?}\nvelocity = {{ beta = [0, 0, -0.9] }}\n\
-         [[object]]\nname = \"speck\"\nshape = {{ box = {{ size = [0.01, 0.01, 0.01] }} }}\norigin = {{ position = [0, 900, 0] }}\n{sky}"
+         projection = \"{projection}\"\nhfov = \"{degrees} deg\"\nsize = {size:?}\nvelocity = {{ beta = [0, 0, -0.9] }}\n{sky}"
     )
 }
 

@@ -156,21 +156,21 @@ impl Grid {
     }
 }
 
-/// Discs by the cells of their centres, on each face that they touch.
+/// What is known of discs, by the cells of their centres, on each face that they touch.
 #[derive(Debug)]
-pub(super) struct Index {
+pub(super) struct Index<T> {
     grid: Grid,
-    /// Where each cell begins in the list, and the indices of the discs, cell by cell and row by row.
+    /// Where each cell begins in the list, and the discs, cell by cell and row by row.
     begins: Vec<u32>,
-    numbers: Vec<u32>,
+    list: Vec<T>,
 }
 
-impl Index {
+impl<T: Copy> Index<T> {
     /// The index of discs around directions, with radii of these sines.
-    pub fn new(grid: Grid, discs: impl Iterator<Item = (DVec3, f64)> + Clone) -> Index {
+    pub fn new(grid: Grid, discs: impl Iterator<Item = (T, DVec3, f64)> + Clone) -> Index<T> {
         // Where cells begin, from counts; filled disc by disc, so that each cell lists them in order.
         let mut begins = vec![0; 6 * grid.cells * grid.cells + 1];
-        for (d, sine) in discs.clone() {
+        for (_, d, sine) in discs.clone() {
             grid.each_face(d, sine, |cell| begins[cell] += 1);
         }
         let mut sum = 0;
@@ -180,24 +180,27 @@ impl Index {
             sum += count;
         }
         let mut ends = begins.clone();
-        let mut numbers = vec![0; sum as usize];
-        for (number, (d, sine)) in (0..).zip(discs) {
+        let any = discs.clone().next().map(|(disc, _, _)| disc);
+        let mut list = any.map_or(Vec::new(), |any| vec![any; sum as usize]);
+        for (disc, d, sine) in discs {
             grid.each_face(d, sine, |cell| {
-                numbers[ends[cell] as usize] = number;
+                list[ends[cell] as usize] = disc;
                 ends[cell] += 1;
             });
         }
-        Index {
-            grid,
-            begins,
-            numbers,
-        }
+        Index { grid, begins, list }
     }
 
-    /// The indices of all discs with centres in the cells of a rectangle, row by row; `None` if there are more than `most` cells. The order
+    /// Its bytes.
+    #[cfg(test)]
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(self.begins.as_slice()) + size_of_val(self.list.as_slice())) as u64
+    }
+
+    /// All discs with centres in the cells of a rectangle, row by row; `None` if there are more than `most` cells. The order
     /// of those near a direction is the same for any rectangle.
     #[inline]
-    pub fn rows(&self, near: Rectangle, most: usize) -> Option<impl Iterator<Item = &[u32]>> {
+    pub fn rows(&self, near: Rectangle, most: usize) -> Option<impl Iterator<Item = &[T]>> {
         let [[left, right], [top, bottom]] =
             near.sides.map(|side| side.map(|x| self.grid.along(x)));
         if (right - left + 1) * (bottom - top + 1) > most {
@@ -205,7 +208,7 @@ impl Index {
         }
         Some((top..=bottom).map(move |row| {
             let row = (near.face * self.grid.cells + row) * self.grid.cells;
-            &self.numbers[self.begins[row + left] as usize..self.begins[row + right + 1] as usize]
+            &self.list[self.begins[row + left] as usize..self.begins[row + right + 1] as usize]
         }))
     }
 }
@@ -237,7 +240,7 @@ mod tests {
         let all: Vec<_> = directions().collect();
         for sine in [1e-9, 1e-3, 0.02, 0.5] {
             let grid = Grid { cells: 16 };
-            let index = Index::new(grid, all.iter().map(|d| (*d, sine)));
+            let index = Index::new(grid, (0..).zip(&all).map(|(k, d)| (k, *d, sine)));
             for (k, d) in all.iter().enumerate() {
                 // Within the disc, just inside its edge, in some direction.
                 let side = d.any_orthonormal_vector();
@@ -246,7 +249,7 @@ mod tests {
                 let look = (*d * cos + turned * sin).normalize().to_array();
                 let near = Rectangle::of(look, look).unwrap().widened(sine);
                 let mut rows = index.rows(near, usize::MAX).unwrap();
-                assert!(rows.any(|row| row.contains(&(k as u32))), "{sine} {d}");
+                assert!(rows.any(|row| row.contains(&k)), "{sine} {d}");
                 // And few others are listed.
                 if sine < 0.1 {
                     let rows = index.rows(near, 9);

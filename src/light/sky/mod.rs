@@ -24,6 +24,7 @@ mod panorama;
 mod rays;
 mod star;
 mod stars;
+mod tally;
 
 use glam::DVec3;
 

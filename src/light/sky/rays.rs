@@ -1,14 +1,14 @@
-//! Look directions of a block of rays.
+//! Look directions of rays.
 
 use glam::DVec3;
 
 use super::star::{Beaming, Motion};
-use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::accel::vectors::{BLOCK, VectorLoop, dispatch};
 
 /// The number of rays processed together when a block does not look into one part of a face.
 pub(super) const FEW: usize = 8;
 
-/// Up to one block of look directions, by component, with the W of each.
+/// Look directions by component, with the W of each.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rays<'a> {
     pub axes: [&'a [f64]; 3],
@@ -60,37 +60,74 @@ impl<'a> Rays<'a> {
         }
     }
 
+    /// The rays in blocks, each with the index of its first.
+    pub fn blocks(self) -> impl Iterator<Item = (usize, Rays<'a>)> {
+        let begins = (0..self.len()).step_by(BLOCK);
+        begins.map(move |begin| (begin, self.part(begin, self.len().min(begin + BLOCK))))
+    }
+
     /// The minimum and maximum of each coordinate, and of W.
     #[inline]
-    pub fn bounds(self) -> [[f64; 4]; 2] {
+    pub fn bounds(self) -> Bounds {
         let [x, y, z] = self.axes;
         let columns = [x, y, z, self.ratios];
-        let mut bounds = [[f64::INFINITY; 4], [f64::NEG_INFINITY; 4]];
+        let mut bounds = Bounds::NONE;
+        let extremes = Extremes {
+            columns,
+            bounds: &mut bounds,
+        };
         match self.len() > FEW {
-            true => dispatch(Bounds {
-                columns,
-                bounds: &mut bounds,
-            }),
-            false => Bounds {
-                columns,
-                bounds: &mut bounds,
-            }
-            .run(),
+            true => dispatch(extremes),
+            false => extremes.run(),
         }
         bounds
     }
 }
 
-/// The minimum and maximum of columns of numbers.
-struct Bounds<'a> {
-    columns: [&'a [f64]; 4],
-    bounds: &'a mut [[f64; 4]; 2],
+/// The minimum and maximum of each coordinate of some directions, and of W.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds {
+    pub low: [f64; 4],
+    pub high: [f64; 4],
 }
 
-impl VectorLoop for Bounds<'_> {
+impl Bounds {
+    /// Those of no direction.
+    pub const NONE: Bounds = Bounds {
+        low: [f64::INFINITY; 4],
+        high: [f64::NEG_INFINITY; 4],
+    };
+
+    /// The bounds of all directions within `self` and `other`.
+    pub fn with(self, other: Bounds) -> Bounds {
+        Bounds {
+            low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
+            high: std::array::from_fn(|k| self.high[k].max(other.high[k])),
+        }
+    }
+
+    /// Whether `place` is within this `distance` of the box of the directions.
+    #[inline(always)]
+    pub fn is_near(&self, place: DVec3, distance: f64) -> bool {
+        let mut square = 0.0;
+        for (axis, x) in place.to_array().into_iter().enumerate() {
+            let beyond = (self.low[axis] - x).max(x - self.high[axis]).max(0.0);
+            square += beyond * beyond;
+        }
+        square <= distance * distance
+    }
+}
+
+/// The minimum and maximum of columns of numbers.
+struct Extremes<'a> {
+    columns: [&'a [f64]; 4],
+    bounds: &'a mut Bounds,
+}
+
+impl VectorLoop for Extremes<'_> {
     #[inline(always)]
     fn run(self) {
-        let [low, high] = self.bounds;
+        let Bounds { low, high } = self.bounds;
         for (column, (low, high)) in self.columns.iter().zip(low.iter_mut().zip(high)) {
             (*low, *high) = (extreme::<false>(column), extreme::<true>(column));
         }
@@ -115,11 +152,15 @@ fn extreme<const GREATEST: bool>(numbers: &[f64]) -> f64 {
     for (lane, x) in lanes.iter_mut().zip(rest) {
         *lane = farther::<GREATEST>(*x, *lane);
     }
-    let mut all = start;
-    for lane in lanes {
-        all = farther::<GREATEST>(lane, all);
+    // In pairs, so that this is done in vectors as well.
+    let mut across = FEW / 2;
+    while across > 0 {
+        for k in 0..across {
+            lanes[k] = farther::<GREATEST>(lanes[k + across], lanes[k]);
+        }
+        across /= 2;
     }
-    all
+    lanes[0]
 }
 
 /// The greater or the lesser of two numbers; the second if one is NaN.

@@ -134,6 +134,13 @@ impl Motions {
     }
 }
 
+/// x to a power.
+#[inline(always)]
+pub(super) fn raised(x: f64, power: i32) -> f64 {
+    let all = (0..power.unsigned_abs()).fold(1.0, |all, _| all * x);
+    if power < 0 { 1.0 / all } else { all }
+}
+
 /// Y of the linear sRGB of a blackbody.
 pub(super) fn luminance(temperature: f64) -> f64 {
     let [r, g, b] = blackbody_colour(temperature);

@@ -43,8 +43,8 @@
 //! the coarsest squares across which W changes by a tenth at most. If the camera's velocity changes during the exposure, each ray has that
 //! of its own moment. The elements of a turning sensor are taken to have the camera's, unless W differs from that twofold: then W_s = W_d.
 //!
-//! Rays come in blocks, most of which look into one small part of a face: the candidates there are found once for the whole block, and each
-//! disc is tested against the rays of each eighth of it that comes near, in vector loops.
+//! The rays of a tile mostly look into one small part of a face: the candidates there are found once for all of them, and each disc is tested
+//! against the rays of each eighth of a block that comes near, in vector loops.
 
 use std::sync::OnceLock;
 
@@ -52,9 +52,10 @@ use glam::DVec3;
 
 use super::PixelAngles;
 use super::faces::{Grid, Index, Rectangle};
-use super::levels::{CHORD, DIAGONAL, FARTHEST, Level, Part, Place, Tally, raised};
-use super::rays::{FEW, Rays};
-use super::star::{Beaming, Motion, Star};
+use super::levels::{CHORD, DIAGONAL, FARTHEST, Level, Part, Place};
+use super::rays::{Bounds, FEW, Rays};
+use super::star::{Beaming, Motion, Star, raised};
+use super::tally::{Candidate, Sight, Tally};
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 
 /// sin R of a point divided by the width of a pixel: the zero of the fundamental.
@@ -77,7 +78,11 @@ const STEEP: f64 = 0.25;
 const BENT: f64 = 0.2;
 /// The greatest change of W across a square that a wider pixel sees as one place.
 const CHANGE: f64 = 0.1;
-/// The maximum number of cells that rays look through together: in pictures, 64 rays mostly need fewer, and so do 8.
+/// The numbers of rays that look for stars together: those of a tile, or, where these look too far apart, fewer and fewer.
+const TOGETHER: [usize; 4] = [MOST_TOGETHER, BLOCK, FEW, 1];
+const MOST_TOGETHER: usize = 4 * BLOCK;
+/// The maximum number of cells that up to 64 of them look through together: in pictures, 64 rays mostly need fewer, and so do 8. More rays
+/// may look through twice as many.
 const MOST_CELLS: usize = 512;
 
 /// Stars of one angular radius ρ: radiance E/(π sin² ρ) within it, or as given at the head of this file if pixels are wider than that.
@@ -89,9 +94,18 @@ pub struct StarMap {
     cosine: f64,
     density: f64,
     /// The stars' discs by direction.
-    discs: Index,
+    discs: Index<u32>,
     /// Levels for widened discs, the finest first, each built on first use.
     levels: Vec<OnceLock<Level>>,
+}
+
+/// Room for looking at stars.
+#[derive(Debug, Default)]
+struct Seeing {
+    tally: Tally,
+    /// What the rays that look together may see: families of a level, or discs.
+    candidates: Vec<Candidate>,
+    discs: Vec<u32>,
 }
 
 /// What one ray sees in the camera's frame: the cap of the world that the head of this file derives, s·axis > bound.
@@ -190,7 +204,10 @@ impl StarMap {
         let grid = Grid {
             cells: cells(stars.len(), PER_STAR, by_radius),
         };
-        let discs = Index::new(grid, stars.iter().map(|star| (star.direction, sine)));
+        let discs = Index::new(
+            grid,
+            (0..).zip(&stars).map(|(k, star)| (k, star.direction, sine)),
+        );
         // Cells of a level are as wide as its largest sin R: 2/cells, starting from this and up to the widest.
         let finest = cells(stars.len(), PER_STAR_WIDENED, FINEST_WIDENED).ilog2() as i32;
         let levels = finest + WIDEST_POWER;
@@ -239,40 +256,48 @@ impl StarMap {
             beaming: angles.beaming,
             motions: angles.motions,
         };
-        let mut tally = Tally::default();
-        let mut begin = 0;
-        while begin < directions.len() {
-            let end = directions.len().min(begin + BLOCK);
-            // The whole block, groups of a few rays, or single rays.
-            let mut see = |begin: usize, end: usize| {
-                let light = |k: usize, star: &Star| light(begin + k, star);
-                let each = |k: usize, radiance| each(begin + k, radiance);
-                self.see(all.part(begin, end), &mut tally, light, each)
-            };
-            if !see(begin, end) {
-                for few in (begin..end).step_by(FEW) {
-                    let end = end.min(few + FEW);
-                    if !see(few, end) {
-                        (few..end).for_each(|one| {
-                            see(one, one + 1);
-                        });
-                    }
-                }
+        let mut seeing = Seeing::default();
+        self.see_all(all, 0, &TOGETHER, &mut seeing, &light, &mut each);
+    }
+
+    /// [`StarMap::each_seen`] for rays with indices from `first` on, the first of `numbers` of them at a time, or, where these look too far
+    /// apart, the next.
+    fn see_all(
+        &self,
+        rays: Rays,
+        first: usize,
+        numbers: &[usize],
+        seeing: &mut Seeing,
+        light: &impl Fn(usize, &Star) -> [f64; 3],
+        each: &mut impl FnMut(usize, [f64; 3]),
+    ) {
+        let [number, smaller @ ..] = numbers else {
+            return;
+        };
+        for begin in (0..rays.len()).step_by(*number) {
+            let part = rays.part(begin, rays.len().min(begin + number));
+            if !self.see(part, first + begin, seeing, light, each) {
+                self.see_all(part, first + begin, smaller, seeing, light, each);
             }
-            begin = end;
         }
     }
 
-    /// [`StarMap::each_seen`] for up to a block of rays; does nothing and says so if these look into more than one face, through too many
-    /// cells, see stars of more than one level, or too much for one.
+    /// [`StarMap::each_seen`] for rays with indices from `first` on; does nothing and says so if these look into more than one face,
+    /// through too many cells, see stars of more than one level, or too much for one.
     fn see(
         &self,
         rays: Rays,
-        tally: &mut Tally,
-        light: impl Fn(usize, &Star) -> [f64; 3],
-        mut each: impl FnMut(usize, [f64; 3]),
+        first: usize,
+        seeing: &mut Seeing,
+        light: &impl Fn(usize, &Star) -> [f64; 3],
+        each: &mut impl FnMut(usize, [f64; 3]),
     ) -> bool {
-        let [[x, y, z, least], [far_x, far_y, far_z, greatest]] = rays.bounds();
+        let mut of_blocks = [Bounds::NONE; MOST_TOGETHER / BLOCK];
+        for (bounds, (_, block)) in of_blocks.iter_mut().zip(rays.blocks()) {
+            *bounds = block.bounds();
+        }
+        let bounds = of_blocks.into_iter().fold(Bounds::NONE, Bounds::with);
+        let ([x, y, z, least], [far_x, far_y, far_z, greatest]) = (bounds.low, bounds.high);
         // Discs are widest where W is smallest.
         let reaches = [least, greatest].map(|w| self.reach(rays.pixel / w));
         let levels = reaches.map(|reach| (reach > self.sine).then(|| self.level_of(reach)));
@@ -281,16 +306,25 @@ impl StarMap {
         else {
             return false;
         };
-        let most = if rays.len() > 1 {
-            MOST_CELLS
-        } else {
-            usize::MAX
+        let most = match rays.len() {
+            1 => usize::MAX,
+            2..=BLOCK => MOST_CELLS,
+            _ => 2 * MOST_CELLS,
         };
         let Some(number) = levels[0] else {
-            let rows = self.discs.rows(at.widened(self.sine), most);
-            return rows
-                .map(|rows| self.see_discs(rays, rows, light, each))
-                .is_some();
+            let Some(rows) = self.discs.rows(at.widened(self.sine), most) else {
+                return false;
+            };
+            seeing.discs.clear();
+            seeing.discs.extend(rows.flatten());
+            if !seeing.discs.is_empty() {
+                for (begin, block) in rays.blocks() {
+                    let first = first + begin;
+                    let light = |k: usize, star: &Star| light(first + k, star);
+                    self.see_discs(block, &seeing.discs, light, |k, seen| each(first + k, seen));
+                }
+            }
+            return true;
         };
         let bound = self.reach_of(number);
         // The part of the way to their merged places that stars have left.
@@ -301,25 +335,42 @@ impl StarMap {
         let Some(distance) = distance else {
             if rays.len() == 1 {
                 let cap = Cap::new(rays.get(0), rays.ratios[0], reaches[0], rays.motion(0));
-                let seen = self.in_cap(&cap, rays.beaming, |star| light(0, star));
+                let seen = self.in_cap(&cap, rays.beaming, |star| light(first, star));
                 if seen != [0.0; 3] {
-                    each(0, seen);
+                    each(first, seen);
                 }
             }
             return rays.len() == 1;
         };
         let level = self.level(number);
         let near = at.widened(distance + left * DIAGONAL * bound);
-        let rows = level.index.rows(near, most);
-        rows.map(|rows| {
-            let mut rows = rows.skip_while(|row| row.is_empty()).peekable();
-            if rows.peek().is_some() {
-                tally.begin(rays, (self.sine, LESS, REACH), bound, (distance, left));
-                rows.flatten().for_each(|family| tally.add(level, *family));
-                tally.each_seen(level, &rays, light, each);
+        let Some(rows) = level.index.rows(near, most) else {
+            return false;
+        };
+        let sight = Sight {
+            widths: (self.sine, LESS, REACH),
+            most: bound,
+            distance,
+            left,
+        };
+        // What all of the rays may see, and of that what those of each block may.
+        let Seeing {
+            tally, candidates, ..
+        } = seeing;
+        let all = rows.flatten().map(|near| Candidate::new(near, &sight));
+        candidates.clear();
+        candidates.extend(all.filter(|candidate| candidate.is_near(&bounds)));
+        if !candidates.is_empty() {
+            for ((begin, block), bounds) in rays.blocks().zip(of_blocks) {
+                let first = first + begin;
+                let near = candidates.iter().filter(|c| c.is_near(&bounds));
+                if tally.add(level, block, sight, near.copied()) {
+                    let light = |k: usize, star: &Star| light(first + k, star);
+                    tally.each_seen(level, &block, light, |k, seen| each(first + k, seen));
+                }
             }
-        })
-        .is_some()
+        }
+        true
     }
 
     /// The sum of the `light` in a cap.
@@ -384,15 +435,15 @@ impl StarMap {
     }
 
     /// The same with unwidened discs, those with these indices.
-    fn see_discs<'a>(
+    fn see_discs(
         &self,
         rays: Rays,
-        rows: impl Iterator<Item = &'a [u32]>,
+        discs: &[u32],
         light: impl Fn(usize, &Star) -> [f64; 3],
         mut each: impl FnMut(usize, [f64; 3]),
     ) {
         let (mut within, mut sums, mut seen) = ([0; BLOCK], [[0.0; 3]; BLOCK], 0u64);
-        for &number in rows.flatten() {
+        for &number in discs {
             let star = &self.stars[number as usize];
             let mut any = 0;
             dispatch(Within {

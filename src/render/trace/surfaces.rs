@@ -103,8 +103,8 @@ impl<'a> Surfaces<'a> {
                 hits.start(count, frames.len());
                 // The cones only hold for rays from the event of the shot.
                 let bounds = match rays.origins {
-                    None => Some(DirectionBounds::of(rays.directions)),
-                    Some(_) => None,
+                    None if !frames.is_empty() => Some(DirectionBounds::of(rays.directions)),
+                    _ => None,
                 };
                 for (k, (frame, cone)) in frames.iter().zip(cones).enumerate() {
                     match bounds.zip(*cone) {

@@ -445,3 +445,26 @@ fn pixels_of_any_width_see_all_stars_where_they_are_at_any_speed() {
         }
     }
 }
+
+#[test]
+fn a_map_takes_no_more_bytes_than_foretold_once_all_of_its_levels_are_built() {
+    fn size<T>(list: &[T]) -> u64 {
+        size_of_val(list) as u64
+    }
+    for count in [1, 5000, 500_000] {
+        let mut next = numbers(31);
+        let mut vector = |_| DVec3::new(next(), next(), next()).normalize();
+        let directions: Vec<_> = (0..count).map(&mut vector).collect();
+        let map = StarMap::new(stars_at(&directions, 32), 1e-6);
+        let levels = (0..map.levels.len()).map(|number| map.level(number));
+        let of_levels = levels.map(|level| {
+            let own = size(&level.families) + size(&level.members) + size(&level.parts);
+            own + size(&level.finer) + level.index.bytes()
+        });
+        let all = size(&map.stars) + map.discs.bytes() + of_levels.sum::<u64>();
+        let most = StarMap::bytes(count);
+        println!("{count}: {all} of {most}");
+        assert!(all <= most, "{count}: {all} of {most}");
+        assert!(count < 5000 || most < 2 * all, "{count}: {all} of {most}");
+    }
+}

@@ -28,10 +28,10 @@ use nullray::accel::{Bvh, Kernel};
 use nullray::camera::{AnyView, View};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::{Progress, Silent};
+use nullray::render::render_with_stats;
 use nullray::render::trace::Stage;
-use nullray::render::{render, render_with_stats};
 
-use common::{Peer, Rounds, TILE, grid, meshes, trace_tile};
+use common::{Peer, Rounds, TILE, grid, meshes, render_next, trace_tile};
 use scene::{Case, Files, Light, Place};
 
 struct Size {
@@ -200,7 +200,10 @@ impl Bench {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
         let pool = pool.build().expect("a thread");
         let pool = &pool;
-        let frame = |scene| move || drop(pool.install(|| render(scene, &Silent)));
+        let frame = |scene| {
+            let mut film = None;
+            move || pool.install(|| render_next(scene, &mut film, &Silent))
+        };
         Rounds::of(2 * self.size.rounds, &mut scenes.map(frame))
     }
 
@@ -280,7 +283,8 @@ impl Bench {
     ) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.build().expect("threads");
-        let mut frame = || drop(pool.install(|| render(scene, progress)));
+        let mut film = None;
+        let mut frame = || pool.install(|| render_next(scene, &mut film, progress));
         let times = match rivals {
             None => Rounds::of(self.size.rounds, &mut [&mut frame]),
             Some(Rivals { peer, bare }) => {

@@ -23,6 +23,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::Mutex;
 use std::time::Instant;
 
 use glam::DVec3;
@@ -30,9 +31,8 @@ use nullray::accel::{
     Bvh, Converging, Facing, Hit, Kernel, Origins, Precision, Preset, Ray, Segment, Traversal,
 };
 use nullray::render::progress::Silent;
-use nullray::render::render;
 
-use common::{Camera, Ratio, TILE, best, meshes, seconds_of};
+use common::{Camera, Ratio, TILE, best, meshes, render_next, seconds_of};
 use scene::{Files, Place};
 
 const SIZE: usize = 1024;
@@ -282,10 +282,15 @@ fn measure(
     }
     for (called, picture) in &pictures {
         let row = Row::new(called.to_string(), "closest 16", camera.rays());
-        let one = &one;
+        let (one, film) = (&one, Mutex::new(None));
         works.push((
             row,
-            Box::new(move || drop(one.install(|| render(picture, &Silent)))),
+            Box::new(move || {
+                one.install(|| {
+                    let mut film = film.lock().expect("one thread");
+                    render_next(picture, &mut film, &Silent);
+                });
+            }),
         ));
     }
 

@@ -11,6 +11,11 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use nullray::render::film::Film;
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Progress;
+use nullray::render::{render, render_over};
+
 pub use camera::{Camera, TILE, trace_tile};
 pub use meshes::{meshes, sphere};
 pub use peer::Peer;
@@ -42,6 +47,15 @@ pub fn best_of(rounds: usize, work: impl FnMut()) -> f64 {
 pub fn report(file: &mut fs::File, line: &serde_json::Value) {
     println!("{line}");
     writeln!(file, "{line}").expect("report");
+}
+
+/// Renders `scene` in the memory of `film`, as frame after frame is rendered.
+pub fn render_next(scene: &Prepared, film: &mut Option<Film>, progress: &dyn Progress) {
+    let rendered = match film.take() {
+        Some(film) => render_over(scene, film, progress),
+        None => render(scene, progress),
+    };
+    *film = rendered.ok();
 }
 
 /// Runs `work` on so many threads.

@@ -23,4 +23,4 @@ pub mod tonemap;
 pub mod trace;
 
 pub use estimate_reads::estimate_reads;
-pub use tiles::{render, render_tiles, render_with_stats};
+pub use tiles::{render, render_over, render_tiles, render_with_stats};

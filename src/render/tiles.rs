@@ -26,6 +26,16 @@ pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
     render_tiles(scene, 0..Tile::count(scene.layout.size), progress)
 }
 
+/// The same picture in the memory of `film`, an earlier picture of any scene: for frame after frame, of which each then needs no new memory
+/// if it is as large.
+///
+/// # Errors
+/// As for [`render`].
+pub fn render_over(scene: &Prepared, film: Film, progress: &dyn Progress) -> Result<Film> {
+    let tiles = 0..Tile::count(scene.layout.size);
+    tiles_with(scene, tiles, Some(film), progress, None)
+}
+
 /// The same picture, and its cost.
 ///
 /// # Errors
@@ -34,7 +44,7 @@ pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(F
     let tiles = 0..Tile::count(scene.layout.size);
     let total = Mutex::new(Stats::default());
     let before = scene.light.bytes_read();
-    let film = tiles_with(scene, tiles, progress, Some(&total))?;
+    let film = tiles_with(scene, tiles, None, progress, Some(&total))?;
     let after = scene.light.bytes_read();
     let mut total = total.into_inner().unwrap_or_else(PoisonError::into_inner);
     total.disk = BytesRead {
@@ -50,26 +60,27 @@ pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(F
 /// # Errors
 /// As for [`render`].
 pub fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress) -> Result<Film> {
-    tiles_with(scene, tiles, progress, None)
+    tiles_with(scene, tiles, None, progress, None)
 }
 
 /// Renders every `step`-th tile.
 pub(super) fn render_every(scene: &Prepared, step: u64, progress: &dyn Progress) -> Result<Film> {
     let all = 0..Tile::count(scene.layout.size);
     let tiles = all.into_par_iter().filter(|tile| tile % step == 0);
-    tiles_with(scene, tiles, progress, None)
+    tiles_with(scene, tiles, None, progress, None)
 }
 
-/// The same; the cost is added to `total`.
+/// The same, in the memory of `over` if these are all tiles; the cost is added to `total`.
 fn tiles_with(
     scene: &Prepared,
     tiles: impl IntoParallelIterator<Item = u64>,
+    over: Option<Film>,
     progress: &dyn Progress,
     total: Option<&Mutex<Stats>>,
 ) -> Result<Film> {
     let pipeline = Pipeline::new(scene, scene.sampler);
     let layout = &scene.layout;
-    Film::of_tiles(layout, |rows| {
+    Film::of_all_tiles(layout, over, |rows| {
         let done: Result<()> =
             tiles
                 .into_par_iter()

@@ -437,10 +437,11 @@ struct Buffers<T> {
     tile: T,
 }
 
-/// The film of `scene` as `visibility` renders it.
+/// The film of `scene` as `visibility` renders it, in the memory of `over`.
 pub(super) fn film<P: Visibility>(
     scene: &Prepared,
     visibility: &P,
+    over: Option<Film>,
     progress: &dyn Progress,
 ) -> Result<Film> {
     scene
@@ -461,7 +462,7 @@ pub(super) fn film<P: Visibility>(
         index,
         visibility,
     };
-    paint(scene, visibility.samples_at_once(), &stage, progress)
+    paint(scene, visibility.samples_at_once(), &stage, over, progress)
 }
 
 /// Renders the strips of tiles.
@@ -482,15 +483,16 @@ pub(super) trait Painter: Sync {
     );
 }
 
-/// The film of `scene` by `painter`, which takes at most this many samples of a pixel at a time.
+/// The film of `scene` by `painter`, which takes at most this many samples of a pixel at a time, in the memory of `over`.
 pub(super) fn paint<P: Painter>(
     scene: &Prepared,
     most: u32,
     painter: &P,
+    over: Option<Film>,
     progress: &dyn Progress,
 ) -> Result<Film> {
     let layout = &scene.layout;
-    Film::of_tiles(layout, |film| {
+    Film::of_all_tiles(layout, over, |film| {
         let done = (0..Tile::count(layout.size))
             .into_par_iter()
             .try_for_each_init(Default::default, |(buffers, kept), index| {

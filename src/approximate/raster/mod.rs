@@ -72,25 +72,50 @@ use crate::render::progress::Progress;
 /// in the medium, and colours without sampled spectra; warps need objects that rest in the world. Parameters that no text of a method
 /// could have. Triangles cut at more than 2²⁴ points. [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
 pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Result<Film> {
+    rendered(scene, method, None, progress)
+}
+
+/// The same picture in the memory of `film`, an earlier picture of any scene: for frame after frame.
+///
+/// # Errors
+/// As for [`render`].
+pub fn render_over(
+    scene: &Prepared,
+    method: &Method,
+    film: Film,
+    progress: &dyn Progress,
+) -> Result<Film> {
+    rendered(scene, method, Some(film), progress)
+}
+
+fn rendered(
+    scene: &Prepared,
+    method: &Method,
+    over: Option<Film>,
+    progress: &dyn Progress,
+) -> Result<Film> {
     method.check_numbers()?;
     let light = scene.light.time_resolved();
     if *method != Method::Trace && light.is_some_and(|light| light.spectra.is_some()) {
         return Err(method::samples_spectra());
     }
     match method {
-        Method::Trace => render::render(scene, progress),
+        Method::Trace => match over {
+            Some(film) => render::render_over(scene, film, progress),
+            None => render::render(scene, progress),
+        },
         Method::Raster(raster) => {
             let observer = Observer::new(scene)?;
             let drawn = triangles::Triangles::new(scene, &observer, raster, progress)?;
             match even::Even::new(scene, &drawn) {
-                Some(even) => draw::paint(scene, tile::MOST_TOGETHER, &even, progress),
-                None => draw::film(scene, &drawn, progress),
+                Some(even) => draw::paint(scene, tile::MOST_TOGETHER, &even, over, progress),
+                None => draw::film(scene, &drawn, over, progress),
             }
         }
         Method::Warp(warp) => {
             scene.camera.view.point().ok_or_else(apart)?;
             let looked_up = warp::Warped::new(scene, warp, progress)?;
-            draw::film(scene, &looked_up, progress)
+            draw::film(scene, &looked_up, over, progress)
         }
     }
 }

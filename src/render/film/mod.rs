@@ -123,6 +123,18 @@ impl Film {
         layout: &Layout,
         render: impl FnOnce(&Rows) -> Result<(), E>,
     ) -> Result<Film, E> {
+        Film::of_all_tiles(layout, None, render)
+    }
+
+    /// The film on which `render` places all tiles, in the memory of `over`.
+    ///
+    /// # Errors
+    /// Those of `render`.
+    pub(crate) fn of_all_tiles<E>(
+        layout: &Layout,
+        over: Option<Film>,
+        render: impl FnOnce(&Rows) -> Result<(), E>,
+    ) -> Result<Film, E> {
         let [width, height] = layout.size.map(|n| n as usize);
         let n = width * height;
         let of_gaps = if layout.has_gaps {
@@ -130,9 +142,21 @@ impl Film {
         } else {
             0
         };
-        let mut radiance = vec![[0.0; 3]; n];
+        let (mut radiance, mut aovs) =
+            over.map_or((Vec::new(), Vec::new()), |film| (film.radiance, film.aovs));
+        // New memory comes zeroed from the system. What is reused keeps its values, which the tiles replace.
+        match radiance.is_empty() {
+            true => radiance = vec![[0.0; 3]; n],
+            false => radiance.resize(n, [0.0; 3]),
+        }
+        aovs.resize(layout.channels.len(), Vec::new());
+        for aov in &mut aovs {
+            match aov.is_empty() {
+                true => *aov = vec![0.0; n],
+                false => aov.resize(n, 0.0),
+            }
+        }
         let mut coverage = vec![TileCoverage::default(); of_gaps as usize];
-        let mut aovs = vec![vec![0.0; n]; layout.channels.len()];
 
         // All arrays, row of tiles by row of tiles.
         let pixels = width * TILE as usize;

@@ -10,7 +10,7 @@ use super::options::{StudyOptions, Subject};
 use super::statistics::{front, quantile};
 use crate::accel::Preset;
 use crate::approximate::projection::Observer;
-use crate::approximate::raster::render;
+use crate::approximate::raster;
 use crate::error::{Error, Result};
 use crate::render::film::Film;
 use crate::render::metadata::sha256;
@@ -54,6 +54,7 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
         &mut prepared,
         &Subject::REFERENCE,
         options.reference_samples,
+        None,
         progress,
     )?;
     let truth = errors::picture("reference", &truth)?;
@@ -132,24 +133,33 @@ fn once(prepared: &Prepared) -> Once {
     }
 }
 
-/// A picture with `samples` samples per pixel.
+/// A picture with `samples` samples per pixel, in the memory of `over`.
 fn picture(
     prepared: &mut Prepared,
     subject: &Subject,
     samples: u32,
+    over: Option<Film>,
     progress: &dyn Progress,
 ) -> Result<Film> {
     prepared.layout.channels.clear();
     prepared.layout.samples = samples;
     prepared.layout.pixel_centers = false;
     prepared.sampler = Sampler::stratified(samples);
-    taken(prepared, subject, progress)
+    taken(prepared, subject, over, progress)
 }
 
 /// The picture for which `prepared` is set up.
-fn taken(prepared: &mut Prepared, subject: &Subject, progress: &dyn Progress) -> Result<Film> {
+fn taken(
+    prepared: &mut Prepared,
+    subject: &Subject,
+    over: Option<Film>,
+    progress: &dyn Progress,
+) -> Result<Film> {
     prepared.method.precision = subject.precision;
-    render(prepared, &subject.method, progress)
+    match over {
+        Some(film) => raster::render_over(prepared, &subject.method, film, progress),
+        None => raster::render(prepared, &subject.method, progress),
+    }
 }
 
 /// The methods that can render the scene, with their geometric errors, and those that cannot.
@@ -166,13 +176,13 @@ fn geometries(
     prepared.layout.samples = 1;
     prepared.layout.pixel_centers = true;
     prepared.sampler = Sampler::centred();
-    let exact = taken(prepared, &Subject::REFERENCE, progress)?;
+    let exact = taken(prepared, &Subject::REFERENCE, None, progress)?;
     let (mut able, mut left_out) = (Vec::new(), Vec::new());
     for subject in &options.methods {
         let able_to = subject.method.added_to(plan.clone());
         let film = able_to.and_then(|plan| {
             prepared.memory_left = plan.memory_left();
-            taken(prepared, subject, progress)
+            taken(prepared, subject, None, progress)
         });
         match film {
             Ok(film) => able.push((*subject, GeometricError::of(prepared, &film, &exact)?)),
@@ -231,7 +241,7 @@ impl Rounds {
         progress: &dyn Progress,
     ) -> Result<bool> {
         let start = Instant::now();
-        let mut cut = false;
+        let (mut cut, mut last) = (false, None);
         for round in 0..options.runs as usize {
             for k in 0..self.jobs.len() {
                 // Rounds start at different jobs, so that no job always follows the same one.
@@ -245,7 +255,8 @@ impl Rounds {
                     cut = true;
                     continue;
                 }
-                self.jobs[index].run(prepared, truth, progress)?;
+                let film = self.jobs[index].run(prepared, truth, last.take(), progress)?;
+                last = Some(film);
             }
         }
         Ok(cut)
@@ -277,16 +288,19 @@ impl Job {
         &mut self,
         prepared: &mut Prepared,
         truth: &Picture,
+        last: Option<Film>,
         progress: &dyn Progress,
-    ) -> Result<()> {
+    ) -> Result<Film> {
+        // As a sequence of frames does, pictures take the memory of the last one, but for the first, whose memory is measured.
         let is_first = self.runs.is_empty();
+        let last = last.filter(|_| !is_first);
         let before = is_first.then(ResidentMemory::now);
         let watch = Watch {
             progress,
             start: Instant::now(),
             first: OnceLock::new(),
         };
-        let film = picture(prepared, &self.subject, self.samples, &watch)?;
+        let film = picture(prepared, &self.subject, self.samples, last, &watch)?;
         let seconds = watch.start.elapsed().as_secs_f64();
         self.runs.push(seconds);
         self.setups
@@ -295,7 +309,7 @@ impl Job {
             self.memory = before.growth();
             self.radiance = Some(RadianceError::of(&film, truth)?);
         }
-        Ok(())
+        Ok(film)
     }
 
     fn finish(self, once: &Once) -> Entry {

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroU32;
 
+use nullray::approximate::raster::{self, Method};
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Baked, Bins, CubePrecision};
 use nullray::render::film::{Film, Tile};
@@ -139,6 +140,49 @@ fn tiles_are_the_same_whichever_were_rendered_before_them() {
                 )
             };
             assert_eq!(bits(&alone), bits(&whole), "{column} {row}");
+        }
+    }
+}
+
+/// Pictures of other sizes, with other channels.
+#[test]
+fn pictures_are_the_same_whichever_were_rendered_in_their_memory() {
+    let request = |aovs: &[Aov]| Request {
+        aovs: aovs.to_vec(),
+        ..Request::default()
+    };
+    let prepared = |samples, size: &str, aovs: &[Aov]| {
+        let text = corner(samples).replace("[37, 21]", size);
+        let scene = scene(&text);
+        Prepared::new(&scene, &Plan::new(&scene, &request(aovs)).unwrap(), &Silent).unwrap()
+    };
+    let scenes = [
+        prepared(2, "[37, 21]", &[Aov::Distance]),
+        prepared(1, "[64, 40]", &[]),
+        prepared(
+            3,
+            "[5, 90]",
+            &[Aov::Object, Aov::StandardError, Aov::Distance],
+        ),
+        prepared(2, "[37, 21]", &[Aov::Distance]),
+    ];
+    let all = |film: &Film| {
+        let channels = [Aov::Distance, Aov::Object, Aov::StandardError];
+        let channels = channels.iter().filter_map(|aov| film.aov(*aov));
+        let channels = channels.flatten().map(|x| x.to_bits());
+        let radiance = film.radiance().as_flattened().iter().map(|x| x.to_bits());
+        (film.size(), radiance.chain(channels).collect::<Vec<_>>())
+    };
+    for method in ["trace", "raster:adaptive=0.1"] {
+        let method: Method = method.parse().unwrap();
+        let mut last = None;
+        for scene in &scenes {
+            let alone = raster::render(scene, &method, &Silent).unwrap();
+            let before = last.unwrap_or_else(|| render(&scenes[2], &Silent).unwrap());
+            let film = raster::render_over(scene, &method, before, &Silent).unwrap();
+            assert_eq!(all(&film), all(&alone));
+            assert!(film.radiance().iter().any(|rgb| rgb[0] > 0.0));
+            last = Some(film);
         }
     }
 }

@@ -16,7 +16,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::super::known::KnownScene;
 use super::looks::{FARTHEST_TURN, turned_in_words};
-use super::motion::{self, Aim, IN_PIXEL, NOTABLE_DISPLACEMENT, displaced};
+use super::motion::{self, Aim, IN_PIXEL, NOTABLE_DISPLACEMENT, displaced, displaced_if_promising};
 use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, channels, film};
 use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::{Boost, CameraFrame, Displacement, Velocity, World};
@@ -98,9 +98,9 @@ pub(super) fn another(case: &Case) -> Option<Diagnosis> {
         return None;
     }
     motion::of_all(case).is_none().then_some(())?;
-    let (number, x, tally) = nearest(case, known, |tally: &Tally| {
-        tally.explains(NOTABLE_DISPLACEMENT) && tally.rest() <= LEFT_BY_CAMERA
-    })?;
+    let explains =
+        |tally: &Tally| tally.explains(NOTABLE_DISPLACEMENT) && tally.rest() <= LEFT_BY_CAMERA;
+    let (number, x, tally) = nearest(case, known, displaced_if_promising, explains)?;
     let by_film = film::scaled_and_rest(case);
     (by_film.is_none_or(|(_, rest)| tally.rest() < rest))
         .then(|| describe(known, number, x, &tally))
@@ -115,7 +115,7 @@ pub(super) fn of_samples(case: &Case) -> Option<Diagnosis> {
         let inside = tally.distances.iter().filter(|d| d[1] <= IN_PIXEL).count();
         inside as f64 >= MOST * tally.distances.len() as f64
     };
-    let (number, x, tally) = nearest(case, known, in_pixels)?;
+    let (number, x, tally) = nearest(case, known, displaced, in_pixels)?;
     Some(describe(known, number, x, &tally))
 }
 
@@ -123,6 +123,7 @@ pub(super) fn of_samples(case: &Case) -> Option<Diagnosis> {
 fn nearest(
     case: &Case,
     known: &KnownScene,
+    tested: impl Fn(&Case, &KnownScene, &KnownScene, Option<usize>) -> Tally,
     explains: impl Fn(&Tally) -> bool,
 ) -> Option<(Number, DVec3, Tally)> {
     let numbers = [
@@ -146,7 +147,7 @@ fn nearest(
             Number::Place | Number::Aside => !is_scaled,
         };
         is_possible.then_some(())?;
-        let tally = displaced(case, known, &changed, None);
+        let tally = tested(case, known, &changed, None);
         explains(&tally).then_some((number, x, tally))
     });
     // A camera at another time is elsewhere, too: of those that leave as little, the first is meant.

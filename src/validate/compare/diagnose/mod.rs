@@ -572,14 +572,19 @@ impl Tally {
     /// The distances at these pixels. If a hypothesis that explains too little of some of them cannot explain all, it is the tally of the
     /// former, which explains nothing either.
     fn of_pixels(pixels: &[usize], distances: impl Fn(usize) -> Option<[f64; 2]> + Sync) -> Tally {
-        if pixels.len() > ASKED {
-            let few = spread(pixels.len(), ASKED).filter_map(|at| distances(pixels[at]));
-            let few = Tally::of(few);
-            if few.distances.len() >= FEWEST_ASKED && few.share() < PROMISING {
-                return few;
-            }
-        }
-        Tally::of_all(pixels, distances)
+        let unpromising = Tally::of_some(pixels, &distances);
+        unpromising.unwrap_or_else(|| Tally::of_all(pixels, distances))
+    }
+
+    /// The distances at some of these pixels, if a hypothesis explains so little of them that it cannot explain all.
+    fn of_some(
+        pixels: &[usize],
+        distances: impl Fn(usize) -> Option<[f64; 2]> + Sync,
+    ) -> Option<Tally> {
+        (pixels.len() > ASKED).then_some(())?;
+        let few = spread(pixels.len(), ASKED).filter_map(|at| distances(pixels[at]));
+        let few = Tally::of(few);
+        (few.distances.len() >= FEWEST_ASKED && few.share() < PROMISING).then_some(few)
     }
 
     /// The distances at all of these pixels.

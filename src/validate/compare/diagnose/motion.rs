@@ -498,7 +498,7 @@ fn best(
     changes: &[Change],
 ) -> Option<Diagnosis> {
     let tallies = changes.iter().filter_map(|change| {
-        let tally = displaced(case, known, &known.changed(*change)?, object);
+        let tally = displaced_if_promising(case, known, &known.changed(*change)?, object);
         is_explained(&tally).then_some((*change, tally))
     });
     let (change, tally) = tallies.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
@@ -506,7 +506,8 @@ fn best(
     if let Change::Swapped(j, k) = change {
         let swapped = known.changed(change)?;
         let other = if object == Some(k) { j } else { k };
-        let is_seen = is_explained(&displaced(case, known, &swapped, Some(other)));
+        let seen = displaced_if_promising(case, known, &swapped, Some(other));
+        let is_seen = is_explained(&seen);
         (is_seen || is_gone(case, other) && is_out_of_view(case, &swapped, other)).then_some(())?;
     }
     Some(describe_change(known, change, &tally))
@@ -640,20 +641,46 @@ pub(super) fn displaced(
     object: Option<usize>,
 ) -> Tally {
     let aims = Aim::all(case).iter();
-    let tallies = aims.map(|aim| displaced_from(case, *aim, [known, changed], object));
+    least(aims.map(|aim| {
+        let off = displacements(case, *aim, [known, changed], object);
+        Tally::of_all(case.everywhere(), off)
+    }))
+}
+
+/// The same for a hypothesis that is only of interest if it explains them: where it explains too little of some of them for any aim, only
+/// those.
+pub(super) fn displaced_if_promising(
+    case: &Case,
+    known: &KnownScene,
+    changed: &KnownScene,
+    object: Option<usize>,
+) -> Tally {
+    let some = Aim::all(case).iter().map(|aim| {
+        let off = displacements(case, *aim, [known, changed], object);
+        Tally::of_some(case.everywhere(), off)
+    });
+    match some.collect::<Option<Vec<_>>>() {
+        Some(unpromising) => least(unpromising.into_iter()),
+        None => displaced(case, known, changed, object),
+    }
+}
+
+/// The one that leaves least.
+fn least(tallies: impl Iterator<Item = Tally>) -> Tally {
     let least = tallies.reduce(|a, b| if b.rest() < a.rest() { b } else { a });
     least.unwrap_or_else(|| Tally::of(std::iter::empty()))
 }
 
-fn displaced_from(
+/// Distances at a pixel of the candidate's point from where it should be seen, in the scene and in the changed one.
+fn displacements(
     case: &Case,
     aim: Aim,
     [known, changed]: [&KnownScene; 2],
     object: Option<usize>,
-) -> Tally {
+) -> impl Fn(usize) -> Option<[f64; 2]> + Sync {
     let points = &case.points[1];
     let [width, _] = points.size();
-    let off = |i: usize| {
+    move |i: usize| {
         let is_other = |id: f64| object.is_some_and(|object| id != object as f64);
         if case.is_mixed(i) || points.object_at(i).is_some_and(is_other) {
             return None;
@@ -665,8 +692,7 @@ fn displaced_from(
         // A point that is not seen, or is far out of view, counts as the width of the picture away.
         let off = |p: DVec2| (p - aimed).length().min(width as f64);
         Some([right.map_or(width as f64, off), off(shown)])
-    };
-    Tally::of_all(case.everywhere(), off)
+    }
 }
 
 /// The diagnosis of a camera whose light has the aberration of another velocity. If objects move, light that takes no time may look

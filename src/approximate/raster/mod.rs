@@ -78,7 +78,7 @@ pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Res
 /// The same picture in the memory of `film`, an earlier picture of any scene: for frame after frame.
 ///
 /// # Errors
-/// As for [`render`].
+/// As for [`render()`].
 pub fn render_over(
     scene: &Prepared,
     method: &Method,

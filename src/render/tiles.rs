@@ -26,8 +26,7 @@ pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
     render_tiles(scene, 0..Tile::count(scene.layout.size), progress)
 }
 
-/// The same picture in the memory of `film`, an earlier picture of any scene: for frame after frame, of which each then needs no new memory
-/// if it is as large.
+/// The same picture in the memory of `film`, an earlier picture of any scene, if that is as large: frame after frame then needs no new memory.
 ///
 /// # Errors
 /// As for [`render`].

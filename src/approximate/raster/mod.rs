@@ -75,7 +75,7 @@ pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Res
     rendered(scene, method, None, progress)
 }
 
-/// The same picture in the memory of `film`, an earlier picture of any scene: for frame after frame.
+/// The same picture in the memory of `film`, as by [`render_over`](crate::render::render_over).
 ///
 /// # Errors
 /// As for [`render()`].

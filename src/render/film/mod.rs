@@ -142,20 +142,13 @@ impl Film {
         } else {
             0
         };
-        let (mut radiance, mut aovs) =
-            over.map_or((Vec::new(), Vec::new()), |film| (film.radiance, film.aovs));
-        // New memory comes zeroed from the system. What is reused keeps its values, which the tiles replace.
-        match radiance.is_empty() {
-            true => radiance = vec![[0.0; 3]; n],
-            false => radiance.resize(n, [0.0; 3]),
-        }
-        aovs.resize(layout.channels.len(), Vec::new());
-        for aov in &mut aovs {
-            match aov.is_empty() {
-                true => *aov = vec![0.0; n],
-                false => aov.resize(n, 0.0),
-            }
-        }
+        let (radiance, aovs) =
+            over.map_or_else(Default::default, |film| (film.radiance, film.aovs));
+        let mut radiance = reused(radiance, n);
+        let mut aovs: Vec<_> = (aovs.into_iter().chain(std::iter::repeat_with(Vec::new)))
+            .take(layout.channels.len())
+            .map(|aov| reused(aov, n))
+            .collect();
         let mut coverage = vec![TileCoverage::default(); of_gaps as usize];
 
         // All arrays, row of tiles by row of tiles.
@@ -319,6 +312,15 @@ impl Film {
         }))
         .collect()
     }
+}
+
+/// `n` values that will be replaced: the old ones if these are as many, else new ones, so that a film takes no more memory than its own.
+fn reused<T: Clone + Default>(old: Vec<T>, n: usize) -> Vec<T> {
+    if old.len() == n {
+        return old;
+    }
+    drop(old);
+    vec![T::default(); n]
 }
 
 fn stored(aov: Aov, values: &[f64]) -> Samples {

@@ -463,7 +463,6 @@ fn a_map_takes_no_more_bytes_than_foretold_once_all_of_its_levels_are_built() {
         });
         let all = size(&map.stars) + map.discs.bytes() + of_levels.sum::<u64>();
         let most = StarMap::bytes(count);
-        println!("{count}: {all} of {most}");
         assert!(all <= most, "{count}: {all} of {most}");
         assert!(count < 5000 || most < 2 * all, "{count}: {all} of {most}");
     }

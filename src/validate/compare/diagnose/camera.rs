@@ -15,8 +15,9 @@
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::super::known::KnownScene;
+use super::displacement::{Aim, IN_PIXEL, NOTABLE_DISPLACEMENT, displaced, displaced_if_promising};
 use super::looks::{FARTHEST_TURN, turned_in_words};
-use super::motion::{self, Aim, IN_PIXEL, NOTABLE_DISPLACEMENT, displaced, displaced_if_promising};
+use super::motion;
 use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, channels, film};
 use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::{Boost, CameraFrame, Displacement, Velocity, World};

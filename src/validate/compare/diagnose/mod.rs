@@ -66,6 +66,7 @@ mod channels;
 mod constant;
 mod curve;
 mod depth;
+mod displacement;
 mod events;
 mod film;
 mod fitted;

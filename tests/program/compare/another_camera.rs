@@ -52,6 +52,22 @@ fn cameras_of_another_velocity_are_named_with_it() {
     }
 }
 
+/// In a picture of so many pixels, changes that do not explain some of them are not tried at all of them.
+#[test]
+fn cameras_of_another_velocity_are_named_in_large_pictures_too() {
+    let size = ("size = [96, 72]", "size = [160, 120]");
+    let right = with(&[size]);
+    let velocity = ("beta = [0.5, 0, 0]", "beta = [0.6, 0, 0]");
+    for channels in [&["object", "event"][..], &["object", "object_event"]] {
+        let wrong = only(&bare(&with(&[size, velocity])), channels);
+        let words = [
+            "the camera moves at another velocity",
+            "(0.6000, 0.0000, 0.0000)",
+        ];
+        named(Kind::CameraVelocity, &words, &diagnosed(&right, &wrong));
+    }
+}
+
 #[test]
 fn a_camera_that_moves_and_should_rest_is_named() {
     let still = shot(&parsed(

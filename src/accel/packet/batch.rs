@@ -10,7 +10,7 @@ use super::ray_set::{ColumnsToPoint, OwnOrigins, RAYS, RaySet, SharedOrigin};
 use super::refine::RefinedHits;
 use super::tile::Tile;
 use super::traverse::{Outcome, StackEntry};
-use super::walk::{AnySingles, ClosestSingles, Room};
+use super::walk::{AnySingles, ClosestSingles, ThreadRoom};
 use crate::accel::bvh::{Bvh, View};
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
@@ -41,7 +41,7 @@ const MOST_WORK_AFTER_FINE: usize = 100;
 struct Workspace {
     block: Block,
     refined: RefinedHits,
-    singles: Option<Box<Room>>,
+    singles: ThreadRoom,
 }
 
 impl Bvh {
@@ -313,7 +313,7 @@ impl View<'_> {
         let count = blocked.len();
         blocked.fill(false);
         let mut block = Block::EMPTY;
-        let mut room = None;
+        let mut room = ThreadRoom::default();
         // If one block was incoherent, the next is checked beforehand; otherwise the check would only delay it until its directions are
         // loaded.
         let (mut was_incoherent, mut was_fine) = (false, false);
@@ -358,7 +358,7 @@ impl View<'_> {
         segments: impl SegmentSet,
         order: &[u32],
         blocked: &mut [bool],
-        room: &mut Option<Box<Room>>,
+        room: &mut ThreadRoom,
         tally: &mut Counts,
     ) {
         if order.len() < FEW {
@@ -402,7 +402,7 @@ impl View<'_> {
         let mut space = Workspace {
             block: Block::EMPTY,
             refined: RefinedHits::NONE,
-            singles: None,
+            singles: ThreadRoom::default(),
         };
         // As in `any_of_whole`; with own origins, the first block is checked, too.
         let (mut was_incoherent, mut was_fine) = (R::OWN_ORIGINS, false);

@@ -25,6 +25,8 @@
 //! an error of ρ: in all less than m = (v (2.1 + 1.1 |r|) + ρ)/|d|. Entry planes use r/d + m, exit planes r/d − m. So after the last
 //! rounding, which preserves order, no entry is too late and no exit too early.
 
+use std::cell::Cell;
+
 use super::any_hits::SegmentSet;
 use super::lanes::{Boxes, Given, Lines, next_lane};
 use super::ray_set::{RAYS, RaySet};
@@ -47,7 +49,7 @@ pub(super) struct ClosestSingles<'a, R> {
     /// Indices of the rays, at most 64.
     pub order: &'a [u32],
     pub hits: &'a mut [Option<Hit>],
-    pub room: &'a mut Option<Box<Room>>,
+    pub room: &'a mut ThreadRoom,
     pub tally: &'a mut Counts,
 }
 
@@ -58,7 +60,7 @@ pub(super) struct AnySingles<'a, S> {
     /// Indices of the segments, at most 64.
     pub order: &'a [u32],
     pub blocked: &'a mut [bool],
-    pub room: &'a mut Option<Box<Room>>,
+    pub room: &'a mut ThreadRoom,
     pub tally: &'a mut Counts,
 }
 
@@ -76,7 +78,7 @@ impl<R: RaySet> Task for ClosestSingles<'_, R> {
     #[inline(always)]
     fn run<K: Simd>(self, k: K) -> Walked {
         let (bvh, rays) = (self.bvh, self.rays);
-        let room = self.room.get_or_insert_with(Room::new);
+        let room = self.room.get();
         for (lane, &ray) in self.order.iter().enumerate().take(RAYS) {
             room.given.set(lane, &rays.ray(ray as usize));
         }
@@ -115,7 +117,7 @@ impl<S: SegmentSet> Task for AnySingles<'_, S> {
     #[inline(always)]
     fn run<K: Simd>(self, k: K) -> Walked {
         let bvh = self.bvh;
-        let room = self.room.get_or_insert_with(Room::new);
+        let room = self.room.get();
         for (lane, &ray) in self.order.iter().enumerate().take(RAYS) {
             room.given
                 .set(lane, &self.segments.segment(ray as usize).ray);
@@ -161,6 +163,34 @@ pub(super) struct Room {
     lines: Lines,
     boxes: Boxes,
     stacks: [Stack; SLOTS],
+}
+
+thread_local! {
+    /// The buffers of the last batch: clearing new ones takes up to a tenth of the time of a batch of 256 rays.
+    static LAST_ROOM: Cell<Option<Box<Room>>> = const { Cell::new(None) };
+}
+
+/// The thread's buffers, taken when they are first needed, and given back at the end.
+#[derive(Default)]
+pub(super) struct ThreadRoom {
+    room: Option<Box<Room>>,
+}
+
+impl ThreadRoom {
+    fn get(&mut self) -> &mut Room {
+        // A thread that ends may have dropped its own already.
+        let last = || LAST_ROOM.try_with(Cell::take).ok().flatten();
+        self.room
+            .get_or_insert_with(|| last().unwrap_or_else(Room::new))
+    }
+}
+
+impl Drop for ThreadRoom {
+    fn drop(&mut self) {
+        if let Some(room) = self.room.take() {
+            let _ = LAST_ROOM.try_with(|last| last.set(Some(room)));
+        }
+    }
 }
 
 /// Children that a ray visits later.
@@ -294,7 +324,11 @@ impl<'a, K: Eight> Walk<'a, K> {
                 // Usually there is none or one: the first is stored without a branch.
                 loop {
                     let slot = leaf.first + candidates.trailing_zeros() % WIDTH as u32;
-                    prefetch(&self.bvh.corners, slot as usize);
+                    // The first and the last corner: they may be in different cache lines.
+                    let corners = self.bvh.corners.as_flattened();
+                    prefetch(corners, 3 * slot as usize);
+                    prefetch(corners, 3 * slot as usize + 2);
+                    prefetch(&self.bvh.tags, slot as usize);
                     pairs[found.min(SLOTS * WIDTH - 1)] = (lane as u32, slot);
                     found += usize::from(candidates != 0);
                     candidates &= candidates.wrapping_sub(1);
@@ -303,17 +337,18 @@ impl<'a, K: Eight> Walk<'a, K> {
                     }
                 }
             }
+            let nodes = std::mem::replace(&mut self.at_nodes, Lanes::NONE);
+            tally.add(Work::Nodes, nodes.count);
+            for &lane in nodes.all() {
+                self.enter(lane as usize % RAYS);
+            }
+            // Meanwhile the triangles have arrived.
             for &(lane, slot) in &pairs[..found] {
                 let lane = lane as usize % RAYS;
                 if queries[query_of[lane] as usize].triangle(slot as usize, tally) {
                     // The query has its answer: no pending box matters any more.
                     self.counts[lane] = 0;
                 }
-            }
-            let nodes = std::mem::replace(&mut self.at_nodes, Lanes::NONE);
-            tally.add(Work::Nodes, nodes.count);
-            for &lane in nodes.all() {
-                self.enter(lane as usize % RAYS);
             }
             for &lane in leaves.all() {
                 let lane = lane as usize % RAYS;

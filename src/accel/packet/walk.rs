@@ -3,7 +3,7 @@
 //! A single ray spends most of its time waiting: for a node from memory, or for a decision at the previous node. So the rays of a block are
 //! interleaved, and when one finishes the next one starts. In each round every ray makes one step, through a node or a leaf, and prefetches
 //! what it needs in the next round while the others step. A round first handles all rays at leaves, then all at nodes, which avoids an
-//! unpredictable branch.
+//! unpredictable branch, and then the triangles that the rays at leaves may hit: meanwhile these were loaded.
 //!
 //! Boxes are tested with the start and the bounds of [`slab`](crate::accel::slab), except for (W3). Triangles of a leaf that a ray
 //! certainly misses are identified in f32; the others are decided in f64 as everywhere, so that results are those of the binary tree.
@@ -342,7 +342,7 @@ impl<'a, K: Eight> Walk<'a, K> {
             for &lane in nodes.all() {
                 self.enter(lane as usize % RAYS);
             }
-            // Meanwhile the triangles have arrived.
+            // Last, because the prefetched triangles arrive while the other rays step through nodes.
             for &(lane, slot) in &pairs[..found] {
                 let lane = lane as usize % RAYS;
                 if queries[query_of[lane] as usize].triangle(slot as usize, tally) {

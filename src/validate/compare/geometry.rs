@@ -1,6 +1,7 @@
 //! Distances of the surface points that pixels show from where they should be; `surface` has the definition.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::known::KnownScene;
 use super::picture::Plane;
@@ -14,7 +15,8 @@ pub(super) fn map(field: &Field, otherwise: Option<&Search>) -> Vec<f32> {
         let length = length.or_else(|| otherwise?.distance(i));
         length.map_or(f32::NAN, |length| length as f32)
     };
-    (0..field.width() * field.height()).map(error).collect()
+    let pixels = (0..field.width() * field.height()).into_par_iter();
+    pixels.map(error).collect()
 }
 
 /// Displacements of the candidate's points to where they belong.

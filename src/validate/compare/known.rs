@@ -13,6 +13,7 @@
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::picture::{Picture, Plane, is_identity};
 use super::points::{OBJECT_POINT, Points, place};
@@ -41,6 +42,55 @@ pub struct KnownScene {
     /// Refractive index of the medium; 0 where light takes no time.
     index: f64,
     objects: Vec<InertialFrame<Rest>>,
+    /// How the points of each object are seen in the world; `None` for those that outrun light.
+    looks: Vec<Option<Look>>,
+}
+
+/// How the points of an object are seen in the world: along the boosted c, of the head of this module.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Look {
+    /// The place q of the shot in the object's frame.
+    shot: DVec3,
+    /// n, and (1/(γ √(1 − η²β²)) − 1); `None` for those with c = r.
+    stretch: Option<(DVec3, f64)>,
+    boost: Boost<World, Rest>,
+}
+
+impl Look {
+    /// For an object at rest in `frame`, a shot at `event` and the refractive index η; `None` if the object outruns light.
+    fn new(frame: &InertialFrame<Rest>, event: Event<World>, index: f64) -> Option<Look> {
+        let shot = frame.event_from_world(event).x;
+        let (n, rapidity) = frame.velocity().split();
+        let slowed = index * libm::tanh(rapidity);
+        if slowed >= 1.0 {
+            return None;
+        }
+        let (stretch, boost) = match index == 1.0 || rapidity == 0.0 {
+            true => (None, *frame.world_from_frame()),
+            false => {
+                // 1/(γq) − 1, as in `approximate::projection`.
+                let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
+                let stretch = 1.0 / (frame.velocity().gamma() * q) - 1.0;
+                let velocity = Velocity::from_rapidity_along(libm::atanh(slowed), n).ok()?;
+                (Some((n, stretch)), Boost::new(velocity))
+            }
+        };
+        Some(Look {
+            shot,
+            stretch,
+            boost,
+        })
+    }
+
+    /// The world's direction in which the object's point `p` is seen.
+    fn direction(&self, p: DVec3) -> Option<Direction<World>> {
+        let r = p - self.shot;
+        let c = match self.stretch {
+            Some((n, stretch)) => r + n * (n.dot(r) * stretch),
+            None => r,
+        };
+        Some(self.boost.direction(Direction::new(c)?).0)
+    }
 }
 
 /// How the world's directions are converted to the camera's frame.
@@ -203,7 +253,8 @@ impl KnownScene {
         let is_instant = camera.sensor.is_none() && camera.shutter.is_none();
         let is_point = is_instant && camera.stereo.is_none();
         let is_exact = equations == Equations::Exact || shot.frame.velocity().is_rest();
-        (is_point && is_exact).then(|| KnownScene {
+        (is_point && is_exact).then_some(())?;
+        let scene = KnownScene {
             model: camera.clone(),
             film: shot.projection,
             event: shot.event,
@@ -217,7 +268,16 @@ impl KnownScene {
                 .into_iter()
                 .map(|(velocity, origin)| InertialFrame::new(velocity, origin))
                 .collect(),
-        })
+            looks: Vec::new(),
+        };
+        Some(scene.with_looks())
+    }
+
+    /// With the looks of its objects, shot and medium.
+    fn with_looks(mut self) -> KnownScene {
+        let look = |frame: &InertialFrame<Rest>| Look::new(frame, self.event, self.index);
+        self.looks = self.objects.iter().map(look).collect();
+        self
     }
 
     /// The same scene with a change; `None` if the change makes no difference to the picture.
@@ -257,6 +317,7 @@ impl KnownScene {
                 set(k, of_j);
             }
         }
+        let changed = changed.with_looks();
         (changed != *self).then_some(changed)
     }
 
@@ -268,13 +329,14 @@ impl KnownScene {
     /// The same scene seen by another camera with the same kind of film.
     pub(super) fn seen_by(&self, camera: CameraModel) -> Option<KnownScene> {
         let shot = Shot::new(&camera).ok()?;
-        Some(KnownScene {
+        let scene = KnownScene {
             model: camera,
             film: shot.projection,
             event: shot.event,
             camera: shot.frame,
             ..self.clone()
-        })
+        };
+        Some(scene.with_looks())
     }
 
     /// The displacement from the shot to an event of the world: its spatial part in the world, and in the camera's frame.
@@ -343,25 +405,8 @@ impl KnownScene {
     /// The image of the point `p` of object `k`, pixels from the film's top left corner; `None` if it would not be seen on a film of any
     /// size, or is seen twice.
     pub(super) fn film_point(&self, k: usize, p: DVec3) -> Option<DVec2> {
-        let frame = self.objects.get(k)?;
-        let r = p - frame.event_from_world(self.event).x;
-        let (n, rapidity) = frame.velocity().split();
-        let slowed = self.index * libm::tanh(rapidity);
-        if slowed >= 1.0 {
-            return None;
-        }
-        let (c, boost) = match self.index == 1.0 || rapidity == 0.0 {
-            true => (r, *frame.world_from_frame()),
-            false => {
-                // 1/(γq) − 1, as in `approximate::projection`.
-                let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
-                let stretch = 1.0 / (frame.velocity().gamma() * q) - 1.0;
-                let velocity = Velocity::from_rapidity_along(libm::atanh(slowed), n).ok()?;
-                (r + n * (n.dot(r) * stretch), Boost::new(velocity))
-            }
-        };
-        let (d, _) = boost.direction(Direction::new(c)?);
-        self.film_point_along(d)
+        let look = self.looks.get(k)?.as_ref()?;
+        self.film_point_along(look.direction(p)?)
     }
 
     /// The image of the world's direction `d`; `None` if no film point looks that way.
@@ -471,7 +516,8 @@ impl KnownScene {
             let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
             Some((self.place(points, i)? - centre).length())
         };
-        let mut distances: Vec<f64> = (0..width * height).filter_map(off).collect();
+        let pixels = (0..width * height).into_par_iter();
+        let mut distances: Vec<f64> = pixels.filter_map(off).collect();
         let middle = distances.len() / 2;
         // Half of a pixel's diagonal is 0.71: anything farther off is seen in another pixel.
         middle < distances.len()

@@ -201,21 +201,46 @@ pub(super) fn compare(
     let of_ratios = ratio(pair);
     let ratios = |i| of_ratios.is_some_and(|planes| lacks(&[planes], i));
     let shown = (size, [asked, region], points);
+    // Independent passes over all pixels: on all threads.
+    let ((outlines, geometric), (in_time, in_ratio)) = rayon::join(
+        || {
+            let outlines = || {
+                let wrong = wrong_objects(points, region);
+                (wrong, coverage(points, region), silhouette(points, region))
+            };
+            let geometric = || {
+                let map = map.as_ref()?;
+                Some(distribution(shown, &places, |_, i| map[i].into()))
+            };
+            rayon::join(outlines, geometric)
+        },
+        || {
+            let in_time = || {
+                let of = time(points)?;
+                let in_bins = |width| distribution(shown, &times, |_, i| of(i).abs() / width);
+                Some((signed(shown, &times, &of), bin_width.map(in_bins)))
+            };
+            let in_ratio = || {
+                let [r, c] = of_ratios?;
+                let relative = || signed(shown, &ratios, |i| c.at(i) / r.at(i) - 1.0);
+                let in_steps = || distribution(shown, &ratios, |_, i| steps(&r, &c, i));
+                Some(rayon::join(relative, in_steps))
+            };
+            rayon::join(in_time, in_ratio)
+        },
+    );
+    let (wrong_objects, coverage, silhouette) = outlines;
+    let (emission_time, emission_time_bins) = in_time.unzip();
+    let (wavelength_ratio, wavelength_ratio_ulp) = in_ratio.unzip();
     let errors = SurfaceErrors {
-        wrong_objects: wrong_objects(points, region),
-        coverage: coverage(points, region),
-        silhouette: silhouette(points, region),
-        geometric: map
-            .as_ref()
-            .map(|map| distribution(shown, &places, |_, i| map[i].into())),
-        emission_time: time(points).map(|of| signed(shown, &times, of)),
-        emission_time_bins: time(points)
-            .zip(bin_width)
-            .map(|(of, width)| distribution(shown, &times, move |_, i| of(i).abs() / width)),
-        wavelength_ratio: ratio(pair)
-            .map(|[r, c]| signed(shown, &ratios, move |i| c.at(i) / r.at(i) - 1.0)),
-        wavelength_ratio_ulp: ratio(pair)
-            .map(|[r, c]| distribution(shown, &ratios, move |_, i| steps(&r, &c, i))),
+        wrong_objects,
+        coverage,
+        silhouette,
+        geometric,
+        emission_time,
+        emission_time_bins: emission_time_bins.flatten(),
+        wavelength_ratio,
+        wavelength_ratio_ulp,
     };
     let some = errors != SurfaceErrors::default();
     (some.then_some(errors), map)
@@ -265,7 +290,11 @@ fn steps(r: &Plane, c: &Plane, index: usize) -> f64 {
 /// show.
 type Shown<'a> = ([usize; 2], [&'a Region; 2], &'a [Points<'a>; 2]);
 
-fn signed(shown: Shown, lacks: &dyn Fn(usize) -> bool, value: impl Fn(usize) -> f64) -> Signed {
+fn signed(
+    shown: Shown,
+    lacks: &(dyn Fn(usize) -> bool + Sync),
+    value: impl Fn(usize) -> f64,
+) -> Signed {
     let (mut sum, mut count) = (0.0, 0u64);
     let absolute = distribution(shown, lacks, |chosen, i| {
         let value = value(i);
@@ -285,7 +314,7 @@ fn signed(shown: Shown, lacks: &dyn Fn(usize) -> bool, value: impl Fn(usize) -> 
 /// for it.
 fn distribution(
     ([width, height], [asked, region], points): Shown,
-    lacks: &dyn Fn(usize) -> bool,
+    lacks: &(dyn Fn(usize) -> bool + Sync),
     mut value: impl FnMut(bool, usize) -> f64,
 ) -> Distribution {
     let mut sums = Sums::new();

@@ -13,6 +13,7 @@
 //! Another film may look similar: it is preferred if its residual is smaller.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::super::known::KnownScene;
 use super::displacement::{Aim, IN_PIXEL, NOTABLE_DISPLACEMENT, displaced, displaced_if_promising};
@@ -140,8 +141,9 @@ fn nearest(
     let each = numbers
         .into_iter()
         .flat_map(|number| aims.iter().map(move |aim| (number, *aim)));
+    let asked = asked(case, known);
     let found = each.filter_map(|(number, aim)| {
-        let (x, changed) = fitted(case, known, number, aim)?;
+        let (x, changed) = fitted(case, known, &asked, number, aim)?;
         let is_possible = match number {
             Number::Time | Number::Velocity => true,
             Number::Turn => x.length().to_degrees() <= FARTHEST_TURN,
@@ -199,24 +201,27 @@ pub(super) fn other_shot(case: &Case) -> Option<Diagnosis> {
     })
 }
 
-/// The parameters that best explain where the candidate shows points, and the scene with them.
+/// A sample of the pixels at which the candidate shows points that the camera could see.
+fn asked(case: &Case, known: &KnownScene) -> Vec<usize> {
+    let points = &case.points[1];
+    let all = case.everywhere().par_iter().copied();
+    let shown: Vec<usize> = all
+        .filter(|i| !case.is_mixed(*i) && known.place(points, *i).is_some())
+        .collect();
+    let step = shown.len() / ASKED + 1;
+    shown.into_iter().step_by(step).collect()
+}
+
+/// The parameters that best explain where the candidate shows points at these `pixels`, and the scene with them.
 fn fitted(
     case: &Case,
     known: &KnownScene,
+    pixels: &[usize],
     number: Number,
     aim: Aim,
 ) -> Option<(DVec3, KnownScene)> {
     let points = &case.points[1];
     let [width, _] = points.size();
-    let shown = case.region.pixels(points.size());
-    let shown: Vec<usize> = shown
-        .filter(|i| !case.is_mixed(*i) && known.place(points, *i).is_some())
-        .collect();
-    let pixels: Vec<usize> = shown
-        .iter()
-        .copied()
-        .step_by(shown.len() / ASKED + 1)
-        .collect();
     let with = |x: DVec3| known.seen_by(number.apply(known.camera(), x)?);
     // Displacements of the points from the pixels that show them to where they are seen.
     let off = |scene: &KnownScene| -> Vec<Option<DVec2>> {

@@ -184,19 +184,10 @@ const ORDERS: [[usize; 3]; 6] = [
 
 /// The candidate's coordinates are permuted, or negated.
 fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Option<Diagnosis> {
-    let scale = median(
-        pixels
-            .iter()
-            .map(|i| place(r, *i).length())
-            .filter(|l| l.is_finite())
-            .collect(),
-    )?;
-    let error = Tally::of(
-        pixels
-            .iter()
-            .map(|&i| [(place(c, i) - place(r, i)).length(), 0.0]),
-    )
-    .error();
+    let lengths = pixels.par_iter().map(|i| place(r, *i).length());
+    let scale = median(lengths.filter(|l| l.is_finite()).collect())?;
+    let apart = |i: usize| Some([(place(c, i) - place(r, i)).length(), 0.0]);
+    let error = Tally::of_all(pixels, apart).error();
     // Right to a twentieth of the rms distance: nothing to explain.
     if error <= 0.05 * scale {
         return None;
@@ -355,14 +346,13 @@ const NOTABLE_FACTOR: f64 = 0.02;
 
 fn scale(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Option<Diagnosis> {
     let pixels = case.pixels();
-    let ratios = pixels
-        .iter()
-        .map(|&i| place(c, i).length() / place(r, i).length());
+    let ratios = pixels.par_iter();
+    let ratios = ratios.map(|&i| place(c, i).length() / place(r, i).length());
     let factor = median(ratios.filter(|x| x.is_finite()).collect())?;
-    let tally = Tally::of(pixels.iter().map(|&i| {
+    let tally = Tally::of_all(pixels, |i| {
         let (r, c) = (place(r, i), place(c, i));
-        [(c - r).length(), (c - r * factor).length()]
-    }));
+        Some([(c - r).length(), (c - r * factor).length()])
+    });
     describe_scale(name, factor, &tally)
 }
 
@@ -370,12 +360,12 @@ fn scale_of(case: &Case, aov: Aov) -> Option<Diagnosis> {
     let [r, c] = case.pair.map(|picture| Plane::aov(&picture.layers, aov));
     let (r, c) = (r?, c?);
     let pixels = case.pixels();
-    let ratios = pixels.iter().map(|&i| c.at(i) / r.at(i));
+    let ratios = pixels.par_iter().map(|&i| c.at(i) / r.at(i));
     let factor = median(ratios.filter(|x| x.is_finite()).collect())?;
-    let tally = Tally::of(pixels.iter().map(|&i| {
+    let tally = Tally::of_all(pixels, |i| {
         let (r, c) = (r.at(i), c.at(i));
-        [(c - r).abs(), (c - r * factor).abs()]
-    }));
+        Some([(c - r).abs(), (c - r * factor).abs()])
+    });
     describe_scale(aov.name(), factor, &tally)
 }
 

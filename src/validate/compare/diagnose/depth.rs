@@ -10,6 +10,7 @@
 //! ```
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::super::picture::Plane;
 use super::{Case, Diagnosis, Kind, Tally, median};
@@ -119,7 +120,7 @@ fn buffer(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> Opt
     let [xx, xy, yy] = sums;
     let b = xy / xx;
     let a = y0 - b * x0;
-    let tally = Tally::of(pixels.iter().filter_map(|&i| {
+    let tally = Tally::of(pixels.par_iter().filter_map(|&i| {
         let h = a + b * inverse(i)?;
         Some([(c.at(i) - r.at(i)).abs(), (c.at(i) - h).abs()])
     }));
@@ -162,7 +163,7 @@ fn by_cosine(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> 
         }
         let inverse = above / below;
         (inverse > 0.0).then_some(())?;
-        let tally = Tally::of(pixels.iter().map(|&i| {
+        let tally = Tally::of(pixels.par_iter().map(|&i| {
             let cosine = (1.0 + square(i) * inverse).sqrt().recip();
             let h = r.at(i) * cosine.powf(sign);
             [(c.at(i) - r.at(i)).abs(), (c.at(i) - h).abs()]

@@ -77,7 +77,7 @@ pub(super) fn displaced_if_promising(
 /// The one that leaves least.
 fn least(tallies: impl Iterator<Item = Tally>) -> Tally {
     let least = tallies.reduce(|a, b| if b.rest() < a.rest() { b } else { a });
-    least.unwrap_or_else(|| Tally::of(std::iter::empty()))
+    least.unwrap_or_else(|| Tally::of(rayon::iter::empty()))
 }
 
 /// Distances at a pixel of the candidate's point from where it should be seen, in the scene and in the changed one.

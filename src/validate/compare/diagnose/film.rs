@@ -133,11 +133,11 @@ fn of_displacements(
     let first = Film::fit(&pairs)?;
     let off = |film: &Film, [p, q]: &[DVec2; 2]| (*q - film.of(*p)).length();
     let all = pairs.clone();
-    pairs.sort_by(|a, b| off(&first, a).total_cmp(&off(&first, b)));
+    pairs.par_sort_by(|a, b| off(&first, a).total_cmp(&off(&first, b)));
     pairs.truncate((MOST * pairs.len() as f64).ceil() as usize);
     let film = Film::fit(&pairs)?;
     let tally = Tally::of(
-        all.iter()
+        all.par_iter()
             .map(|pair| [(pair[1] - pair[0]).length(), off(&film, pair)]),
     );
     let evidence = vec![

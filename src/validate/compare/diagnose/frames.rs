@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::super::picture::Plane;
 use super::super::points::place;
@@ -94,7 +95,7 @@ pub(super) fn signs(case: &Case) -> Vec<Diagnosis> {
     let of = |aov: Aov| {
         let [r, c] = case.pair.map(|picture| Plane::aov(&picture.layers, aov));
         let (r, c) = (r?, c?);
-        let pairs = case.pixels().iter().copied().map(|i| (r.at(i), c.at(i)));
+        let pairs = case.pixels().par_iter().map(|&i| (r.at(i), c.at(i)));
         let tally = Tally::of(pairs.map(|(r, c)| [(c - r).abs(), (c + r).abs()]));
         // Times that are all about 0 have no sign.
         tally.explains(1e-6).then(|| Diagnosis {

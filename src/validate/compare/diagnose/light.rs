@@ -278,7 +278,7 @@ impl Scales {
             .into_iter()
             .fold([0.0; 2], |[a, b], [is, was]| [a + is, b + was]);
         Fit {
-            tally: Tally::of(distances.into_iter().flatten()),
+            tally: Tally::of(distances.into_par_iter().flatten_iter()),
             pixels: lit.len(),
             left: is / was,
         }

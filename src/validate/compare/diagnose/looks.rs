@@ -18,6 +18,7 @@
 //! the shot are used. Another film may look similar: it is preferred if its residual is smaller.
 
 use glam::{DMat4, DQuat, DVec3, DVec4};
+use rayon::prelude::*;
 
 use super::super::known::{KnownScene, unaberrated_without_gamma};
 use super::super::picture::Plane;
@@ -100,8 +101,8 @@ fn looks(case: &Case, velocity: Velocity) -> Vec<Look> {
 }
 
 /// Angles between the candidate's and the right directions, and between the candidate's and a hypothesis', radians.
-fn tally(looks: &[Look], of: impl Fn(&Look) -> Option<DVec3>) -> Tally {
-    Tally::of(looks.iter().filter_map(|look| {
+fn tally(looks: &[Look], of: impl Fn(&Look) -> Option<DVec3> + Sync) -> Tally {
+    Tally::of(looks.par_iter().filter_map(|look| {
         Some([
             (look.is - look.right).length(),
             (look.is - of(look)?).length(),
@@ -112,7 +113,7 @@ fn tally(looks: &[Look], of: impl Fn(&Look) -> Option<DVec3>) -> Tally {
 /// Look directions with the camera's velocity reversed, ignored, or without its γ.
 fn aberration(looks: &[Look], velocity: Velocity) -> Option<Diagnosis> {
     let backwards = Boost::<World, CameraFrame>::new(-velocity);
-    type Looks<'a> = Box<dyn Fn(&Look) -> Option<DVec3> + 'a>;
+    type Looks<'a> = Box<dyn Fn(&Look) -> Option<DVec3> + Sync + 'a>;
     let hypotheses: [(Kind, &str, Looks); 4] = [
         (
             Kind::AberrationReversed,
@@ -190,7 +191,7 @@ fn places_are_right(case: &Case) -> bool {
     let Some(field) = case.field else {
         return false;
     };
-    let off = case.pixels().iter().copied();
+    let off = case.pixels().par_iter().copied();
     let off = off.filter_map(|i| Some(field.displacement(i)?.length()));
     let off = Tally::of(off.map(|off| [off, 0.0]));
     off.distances.len() >= super::FEWEST && off.error() <= NOTABLE_DISPLACEMENT

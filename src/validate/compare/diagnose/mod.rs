@@ -558,7 +558,7 @@ impl Tally {
     /// The finite pairs, without the pixels where neither is a tenth of the error: where nothing is wrong, and the hypothesis changes
     /// nothing, it explains nothing. A hypothesis that changes nothing explains no pixel: of the pairs kept, it matches where the
     /// hypothesis does not.
-    fn of(distances: impl Iterator<Item = [f64; 2]>) -> Tally {
+    fn of(distances: impl ParallelIterator<Item = [f64; 2]>) -> Tally {
         let are_numbers = |[a, b]: &[f64; 2]| a.is_finite() && b.is_finite();
         let mut tally = Tally {
             distances: distances.filter(are_numbers).collect(),
@@ -583,15 +583,14 @@ impl Tally {
         distances: impl Fn(usize) -> Option<[f64; 2]> + Sync,
     ) -> Option<Tally> {
         (pixels.len() > ASKED).then_some(())?;
-        let few = spread(pixels.len(), ASKED).filter_map(|at| distances(pixels[at]));
-        let few = Tally::of(few);
+        let few: Vec<usize> = spread(pixels.len(), ASKED).map(|at| pixels[at]).collect();
+        let few = Tally::of_all(&few, distances);
         (few.distances.len() >= FEWEST_ASKED && few.share() < PROMISING).then_some(few)
     }
 
     /// The distances at all of these pixels.
     fn of_all(pixels: &[usize], distances: impl Fn(usize) -> Option<[f64; 2]> + Sync) -> Tally {
-        let all: Vec<[f64; 2]> = pixels.par_iter().filter_map(|i| distances(*i)).collect();
-        Tally::of(all.into_iter())
+        Tally::of(pixels.par_iter().filter_map(|i| distances(*i)))
     }
 
     /// The rms distance from the reference.
@@ -603,7 +602,7 @@ impl Tally {
     /// The rms distance from the hypothesis, without the tenth of the pixels where it is largest.
     fn rest(&self) -> f64 {
         let mut rests: Vec<f64> = self.distances.iter().map(|d| d[1]).collect();
-        rests.sort_unstable_by(f64::total_cmp);
+        rests.par_sort_unstable_by(f64::total_cmp);
         let kept = (MOST * rests.len() as f64).ceil() as usize;
         let sum: f64 = rests[..kept].iter().map(|x| x * x).sum();
         (sum / kept.max(1) as f64).sqrt()
@@ -643,7 +642,7 @@ mod tests {
                 let is_explained = i % 20 < explained;
                 Some([1.0, if is_explained { 0.0 } else { 1.0 }])
             };
-            let all = Tally::of(pixels.iter().filter_map(|i| distances(*i)));
+            let all = Tally::of_all(&pixels, distances);
             let asked = Tally::of_pixels(&pixels, distances);
             assert_eq!(all.explains(0.5), explained >= 18);
             assert_eq!(asked.explains(0.5), all.explains(0.5), "{explained}");

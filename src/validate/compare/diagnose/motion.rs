@@ -22,6 +22,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
+use rayon::prelude::*;
 
 use super::super::known::{Change, KnownScene};
 use super::super::picture::{Picture, Plane};
@@ -176,8 +177,8 @@ fn another_camera(
     // W γc(1 + βc·d), with the candidate's W, over γ(1 + β·d): 1 if it is right. With another camera, W times that camera's factor is.
     let tally = |other: fn(f64) -> f64, gamma_of_other: f64| {
         let pixels = objects
-            .iter()
-            .flat_map(|(u, rows)| rows.iter().map(move |row| (u, row)));
+            .par_iter()
+            .flat_map_iter(|(u, rows)| rows.iter().map(move |row| (u, row)));
         Tally::of(pixels.map(|(u, (row, value))| {
             let along = beta.dot(row.yzw());
             let is = libm::log(value / row.dot(*u));
@@ -230,7 +231,7 @@ fn fitted_camera(
         }
     }
     let moved = Moved::of(0, &right, &is)?;
-    let tally = Tally::of(is.rows.iter().map(|(row, value)| {
+    let tally = Tally::of(is.rows.par_iter().map(|(row, value)| {
         let off = |u: DVec4| libm::log(value / row.dot(u)).abs();
         moved.velocities.map(off)
     }));
@@ -294,7 +295,7 @@ fn camera_by_ratios_alone(case: &Case) -> Option<Diagnosis> {
     is_velocity(seen, OF_VELOCITY_OR_FACTOR).then_some(())?;
     let is = boost_between(four_velocity(velocities[*most]), seen)?;
 
-    let tally = Tally::of(objects.iter().flat_map(|(object, of)| {
+    let tally = Tally::of(objects.par_iter().flat_map_iter(|(object, of)| {
         let world = four_velocity(velocities[*object]);
         let both = [known.camera_velocity(), is].map(|camera| seen_by(camera, world));
         let rows = of.rows.iter();

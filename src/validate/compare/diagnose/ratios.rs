@@ -56,7 +56,7 @@ fn power(case: &Case) -> Option<(f64, Tally)> {
     let logs = logarithms(case)?;
     let of = |p: f64| {
         let pairs = logs
-            .iter()
+            .par_iter()
             .map(|(_, [r, c])| [(c - r).abs(), (c - p * r).abs()]);
         Tally::of(pairs)
     };
@@ -90,14 +90,14 @@ fn form(case: &Case) -> Option<Diagnosis> {
         ("−ln W", |w| -libm::log(w)),
     ];
     let tallies = forms.map(|(name, of)| {
-        let pairs = pairs.iter().filter(are_numbers);
+        let pairs = pairs.par_iter().filter(are_numbers);
         (
             name,
             Tally::of(pairs.map(|[r, c]| [(c - r).abs(), (c - of(*r)).abs()])),
         )
     });
     let explaining = tallies.into_iter().filter(|(_, tally)| {
-        tally.rest() <= (NEAR * varies).max(HARDLY) && tally.explains(NOTABLE_RATIO)
+        tally.explains(NOTABLE_RATIO) && tally.rest() <= (NEAR * varies).max(HARDLY)
     });
     let (name, tally) = explaining.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
     Some(Diagnosis {
@@ -165,7 +165,7 @@ pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
     let object_at = |i: usize| case.points[0].object_at(i).unwrap_or(0.0) as i64;
     let factor = |i: usize| factors.get(&object_at(i)).copied().unwrap_or(0.0);
     let by_factor = Tally::of(
-        logs.iter()
+        logs.par_iter()
             .map(|&(i, [r, c])| [(c - r).abs(), (c - r - factor(i)).abs()]),
     );
     let wrong = factors.iter().filter(|(_, log)| log.abs() > NOTABLE_RATIO);
@@ -174,7 +174,8 @@ pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
         return None;
     }
     // If W varies little over an object, a factor resembles 1/W.
-    let of_wrong = logs.iter().filter(|(i, _)| wrong.contains(&object_at(*i)));
+    let of_wrong = logs.par_iter();
+    let of_wrong = of_wrong.filter(|(i, _)| wrong.contains(&object_at(*i)));
     let inverse =
         Tally::of(of_wrong.map(|&(i, [r, c])| [(c - r - factor(i)).abs(), (c + r).abs()]));
     if inverse.explains(NOTABLE_RATIO) {

@@ -13,6 +13,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use super::super::picture::Plane;
 use super::super::points::{WORLD_POINT, place};
@@ -93,14 +94,18 @@ fn of_object(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Opti
     let mut kept: Vec<&Side> = sides.iter().collect();
     let first = factor(&kept);
     let rest = |k: f64, side: &Side| (side.off() - (k - 1.0) * side.n.dot(side.r)).abs();
-    kept.sort_by(|a, b| rest(first, a).total_cmp(&rest(first, b)));
+    kept.par_sort_by(|a, b| rest(first, a).total_cmp(&rest(first, b)));
     kept.truncate((MOST * kept.len() as f64).ceil() as usize);
     let k = factor(&kept);
-    let tally = Tally::of(sides.iter().map(|side| [side.off().abs(), rest(k, side)]));
+    let tally = Tally::of(
+        sides
+            .par_iter()
+            .map(|side| [side.off().abs(), rest(k, side)]),
+    );
     let explains = (k - 1.0).abs() > NOTABLE && tally.explains(0.5 * NOTABLE * extent);
     let t = displacement(&sides);
     let by_t = sides
-        .iter()
+        .par_iter()
         .map(|side| [side.off().abs(), (side.off() - side.n.dot(t)).abs()]);
     let is_displaced = Tally::of(by_t).explains(0.5 * NOTABLE * extent);
     let is_size = !is_displaced || boxes_say_so(&r, &c, k, t);

@@ -113,10 +113,9 @@ pub(super) fn instant(case: &Case) -> Option<Diagnosis> {
             .filter(|t| t.is_finite())
             .collect(),
     )?;
-    let errors = pixels
-        .iter()
-        .map(|&i| [(c.at(i) - r.at(i)).abs(), (c.at(i) - time).abs()]);
-    let tally = Tally::of(errors);
+    let tally = Tally::of_all(pixels, |i| {
+        Some([(c.at(i) - r.at(i)).abs(), (c.at(i) - time).abs()])
+    });
     let scale = pixels.iter().map(|i| r.at(*i)).filter(|t| t.is_finite());
     let [low, high] = scale.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| {
         [low.min(t), high.max(t)]

@@ -9,6 +9,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::super::picture::{Plane, RADIANCE};
 use super::super::points::{Points, place};
@@ -201,14 +202,14 @@ fn is_panorama(case: &Case) -> bool {
 fn differing(case: &Case, pixels: &[usize], turn: Turn) -> Unlike {
     let [r, c] = &case.points;
     let size = r.size().map(|n| n as i64);
-    let pixels: Vec<[usize; 2]> = (pixels.iter())
+    let pixels: Vec<[usize; 2]> = (pixels.par_iter())
         .filter_map(|&i| {
             let at = [i as i64 % size[0], i as i64 / size[0]];
             Some([i, turn.source(at, size)?])
         })
         .collect();
-    let part = |differs: &dyn Fn(usize, usize) -> bool| {
-        let count = pixels.iter().filter(|[i, j]| differs(*i, *j)).count();
+    let part = |differs: &(dyn Fn(usize, usize) -> bool + Sync)| {
+        let count = pixels.par_iter().filter(|[i, j]| differs(*i, *j)).count();
         count as f64 / pixels.len().max(1) as f64
     };
     let mut worst: f64 = 0.0;
@@ -220,7 +221,7 @@ fn differing(case: &Case, pixels: &[usize], turn: Turn) -> Unlike {
     }
     for planes in [[r.material, c.material], [r.world, c.world]] {
         if let [Some(r), Some(c)] = planes {
-            let ratios = pixels.iter();
+            let ratios = pixels.par_iter();
             let ratios = ratios.map(|[i, j]| place(&c, *j).length() / place(&r, *i).length());
             let unit = common_factor(ratios);
             worst = worst.max(part(&|i, j| differ(place(&r, i) * unit, place(&c, j))));
@@ -229,7 +230,8 @@ fn differing(case: &Case, pixels: &[usize], turn: Turn) -> Unlike {
     let mut factor = 1.0;
     if let [Some(r), Some(c)] = [light(case, 0), light(case, 1)] {
         let sum = |of: &[Plane; 3], i: usize| of.iter().map(|p| p.at(i)).sum::<f64>();
-        let ratios = pixels.iter().map(|[i, j]| sum(&c, *j) / sum(&r, *i));
+        let ratios = pixels.par_iter();
+        let ratios = ratios.map(|[i, j]| sum(&c, *j) / sum(&r, *i));
         factor = common_factor(ratios);
         worst = worst.max(part(&|i, j| differ(place(&r, i) * factor, place(&c, j))));
     }
@@ -240,7 +242,7 @@ fn differing(case: &Case, pixels: &[usize], turn: Turn) -> Unlike {
 }
 
 /// The most common factor.
-fn common_factor(ratios: impl Iterator<Item = f64>) -> f64 {
+fn common_factor(ratios: impl ParallelIterator<Item = f64>) -> f64 {
     let ratios = ratios.filter(|ratio| ratio.is_normal() && *ratio > 0.0);
     let factor = median(ratios.collect()).unwrap_or(1.0);
     // Noise is not a factor.

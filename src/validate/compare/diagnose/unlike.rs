@@ -7,6 +7,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use rayon::prelude::*;
+
 use super::super::picture::Plane;
 use super::channels::same_places;
 use super::{Case, Diagnosis, FEWEST, Kind, median};
@@ -158,7 +160,7 @@ fn in_objects(
     for (object, pixels) in objects {
         let (wrong, of) = wrong(pixels)?;
         tested += usize::from(of >= FEWEST);
-        if wrong.len() >= FEWEST && wrong.len() as f64 >= NOTABLE * of as f64 {
+        if are_many(wrong.len(), of) {
             named.insert(*object);
             count += of;
             all.extend(wrong);
@@ -170,6 +172,11 @@ fn in_objects(
         part: all.len() as f64 / count as f64,
         off: median(all).unwrap_or(0.0),
     })
+}
+
+/// Whether this number of an object's pixels is enough for a channel to be named.
+fn are_many(wrong: usize, of: usize) -> bool {
+    wrong >= FEWEST && wrong as f64 >= NOTABLE * of as f64
 }
 
 /// Whether the channel is a length, or a time in metres of light path.
@@ -190,18 +197,28 @@ fn wrong_values(case: &Case, pixels: &[usize], aov: Aov) -> Option<(Vec<f64>, us
     let [r, c] = case.pair.map(|picture| Plane::aov(&picture.layers, aov));
     let (r, c) = (r?, c?);
     let is_number = |i: &usize| r.at(*i).is_finite() && c.at(*i).is_finite();
-    let pixels: Vec<usize> = pixels.iter().copied().filter(is_number).collect();
-    let right = || pixels.iter().map(|i| r.at(*i));
+    let pixels: Vec<usize> = pixels.par_iter().copied().filter(is_number).collect();
     // Of all channels of the group: a coordinate that is 0 has the rounding errors of the others.
     let planes = group_of(group(aov.name()));
     let planes = planes
         .into_iter()
         .filter_map(|aov| Plane::aov(&case.pair[0].layers, aov));
-    let sizes = planes.flat_map(|plane| pixels.iter().map(move |i| plane.at(*i).abs()));
-    let largest = sizes.filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let Some(middle) = median(right().collect()) else {
-        return Some((Vec::new(), 0));
-    };
+    let largest = planes.map(|plane| {
+        let sizes = pixels.par_iter().map(|i| plane.at(*i).abs());
+        sizes.filter(|v| v.is_finite()).reduce(|| 0.0, f64::max)
+    });
+    let largest = largest.fold(0.0, f64::max);
+    // Few are off by more than rounding, as in most pictures.
+    let differences: Vec<f64> = pixels.par_iter().map(|i| c.at(*i) - r.at(*i)).collect();
+    let sizes = differences.iter().map(|d| d.abs());
+    let wrong: Vec<f64> = sizes
+        .filter(|size| *size > MEDIAN_OF_LARGEST * largest)
+        .collect();
+    if !are_many(wrong.len(), pixels.len()) {
+        return Some((Vec::new(), pixels.len()));
+    }
+    let right = || pixels.par_iter().map(|i| r.at(*i));
+    let middle = median(right().collect())?;
     let variation = median(right().map(|v| (v - middle).abs()).collect())?;
     let tolerance = OF_LARGEST * largest + OF_VARIATION * variation;
     let range = |i: usize| {
@@ -216,29 +233,20 @@ fn wrong_values(case: &Case, pixels: &[usize], aov: Aov) -> Option<(Vec<f64>, us
         let margin = high - low + tolerance;
         c.at(**i) < low - margin || c.at(**i) > high + margin
     };
-    let beyond = pixels.iter().filter(is_beyond).count();
+    let beyond = pixels.par_iter().filter(is_beyond).count();
     // To one side: of two pixels and the one between, values differ by two steps.
-    let differences: Vec<f64> = pixels.iter().map(|i| c.at(*i) - r.at(*i)).collect();
     let shift = median(differences.clone())?;
     let spread = median(differences.iter().map(|d| (d - shift).abs()).collect())?;
     let steps = pixels
-        .iter()
+        .par_iter()
         .map(|i| range(*i))
         .map(|[low, high]| 0.5 * (high - low));
     let step = median(steps.collect())?;
     // The median of normal numbers has the standard error 1.25 σ/√n, with σ = 1.48 times the median deviation.
     let chance = MEDIAN_BY_CHANCE * 1.86 * spread / (pixels.len() as f64).sqrt();
     let is_aside = shift.abs() > MEDIAN_OF_LARGEST * largest + MEDIAN_OF_STEP * step + chance;
-    let is_wrong = beyond >= FEWEST && beyond as f64 >= NOTABLE * pixels.len() as f64;
-    let wrong = match is_wrong || is_aside {
-        true => {
-            let least = MEDIAN_OF_LARGEST * largest;
-            let sizes = differences.iter().map(|d| d.abs());
-            sizes.filter(|size| *size > least).collect()
-        }
-        false => Vec::new(),
-    };
-    Some((wrong, pixels.len()))
+    let is_wrong = are_many(beyond, pixels.len()) || is_aside;
+    Some((if is_wrong { wrong } else { Vec::new() }, pixels.len()))
 }
 
 /// A one for each pixel inside a triangle that has the index of another one, and the number of such pixels; `None` if a picture lacks indices.
@@ -250,7 +258,7 @@ fn wrong_triangles(case: &Case, pixels: &[usize]) -> Option<(Vec<f64>, usize)> {
         let mut around = around(case.points[0].size(), **i);
         around.all(|j| r.at(j) == r.at(**i) && object(j) == object(**i))
     };
-    let inside: Vec<&usize> = pixels.iter().filter(is_inside).collect();
+    let inside: Vec<&usize> = pixels.par_iter().filter(is_inside).collect();
     let wrong = inside.iter().filter(|i| c.at(***i) != r.at(***i));
     Some((wrong.map(|_| 1.0).collect(), inside.len()))
 }

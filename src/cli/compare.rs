@@ -25,9 +25,7 @@ use super::{builtin, flags, inputs, interrupt, print, print_json};
 /// Compares, writes the outputs, and returns whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments, &[])?;
-    let budget = Budget::new(arguments.memory.bytes());
-    let reference = picture(&arguments.reference, arguments, &budget)?;
-    let candidate = picture(&arguments.candidate, arguments, &budget)?;
+    let (budget, [reference, candidate]) = pair(arguments)?;
     let scene = scene(arguments, &reference)?;
     if let Some(scene) = scene
         .as_ref()
@@ -83,6 +81,24 @@ fn scene(arguments: &CompareArguments, reference: &Picture) -> Result<Option<Arc
         ..Overrides::default()
     };
     Ok(Some(Arc::new(builtin::read(path)?.scene(&overrides)?)))
+}
+
+/// Both pictures, and what is left of the memory.
+fn pair(arguments: &CompareArguments) -> Result<(Budget, [Picture; 2])> {
+    let read = |budget: &Budget, path| picture(path, arguments, budget);
+    let budget = Budget::new(arguments.memory.bytes());
+    let both = rayon::join(
+        || read(&budget, &arguments.reference),
+        || read(&budget, &arguments.candidate),
+    );
+    if let (Ok(reference), Ok(candidate)) = both {
+        return Ok((budget, [reference, candidate]));
+    }
+    // Which of two pictures is beyond the memory depends on the threads: the second one.
+    let budget = Budget::new(arguments.memory.bytes());
+    let reference = read(&budget, &arguments.reference)?;
+    let candidate = read(&budget, &arguments.candidate)?;
+    Ok((budget, [reference, candidate]))
 }
 
 /// A picture, read according to the options.

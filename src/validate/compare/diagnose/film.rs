@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use super::super::geometry::Field;
 use super::super::picture::Plane;
 use super::super::points::place;
-use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally};
+use super::{Case, Diagnosis, Kind, NEAR, Tally, without_worst};
 use crate::render::aov::Aov;
 
 /// What is said of mirrored pictures.
@@ -125,17 +125,14 @@ fn of_displacements(
         let p = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) - half;
         Some([p, p + displacement(i)?])
     };
-    let mut pairs: Vec<[DVec2; 2]> = pixels.par_iter().filter_map(|i| pair(*i)).collect();
-    if pairs.len() < super::FEWEST {
+    let all: Vec<[DVec2; 2]> = pixels.par_iter().filter_map(|i| pair(*i)).collect();
+    if all.len() < super::FEWEST {
         return None;
     }
     // Fitted twice: the worst fits are left out of the second one, because they are due to other mistakes.
-    let first = Film::fit(&pairs)?;
+    let first = Film::fit(&all)?;
     let off = |film: &Film, [p, q]: &[DVec2; 2]| (*q - film.of(*p)).length();
-    let all = pairs.clone();
-    pairs.par_sort_by(|a, b| off(&first, a).total_cmp(&off(&first, b)));
-    pairs.truncate((MOST * pairs.len() as f64).ceil() as usize);
-    let film = Film::fit(&pairs)?;
+    let film = Film::fit(&without_worst(&all, |pair| off(&first, pair)))?;
     let tally = Tally::of(
         all.par_iter()
             .map(|pair| [(pair[1] - pair[0]).length(), off(&film, pair)]),

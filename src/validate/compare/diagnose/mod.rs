@@ -89,6 +89,7 @@ mod time;
 mod turns;
 mod unlike;
 
+use std::cmp::Ordering;
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
@@ -542,6 +543,33 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     inside.then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
+/// `all` without the tenth that is farthest off, in their order; of those equally far off the first are kept.
+fn without_worst<T: Copy + Sync>(all: &[T], off: impl Fn(&T) -> f64 + Sync) -> Vec<T> {
+    let kept = (MOST * all.len() as f64).ceil() as usize;
+    if kept >= all.len() {
+        return all.to_vec();
+    }
+    let off: Vec<f64> = all.par_iter().map(|one| off(one)).collect();
+    let mut parted = off.clone();
+    let (nearer, limit, _) = parted.select_nth_unstable_by(kept, f64::total_cmp);
+    let mut at_limit = nearer
+        .iter()
+        .filter(|off| off.total_cmp(limit).is_eq())
+        .count();
+    let is_kept = |off: f64| match off.total_cmp(limit) {
+        Ordering::Less => true,
+        Ordering::Greater => false,
+        Ordering::Equal => {
+            let is_kept = at_limit > 0;
+            at_limit -= usize::from(is_kept);
+            is_kept
+        }
+    };
+    let is_kept: Vec<bool> = off.into_iter().map(is_kept).collect();
+    let kept = all.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept);
+    kept.map(|(one, _)| *one).collect()
+}
+
 /// Distances from the reference and from a hypothesis at each pixel.
 #[derive(Debug)]
 struct Tally {
@@ -602,8 +630,10 @@ impl Tally {
     /// The rms distance from the hypothesis, without the tenth of the pixels where it is largest.
     fn rest(&self) -> f64 {
         let mut rests: Vec<f64> = self.distances.iter().map(|d| d[1]).collect();
-        rests.par_sort_unstable_by(f64::total_cmp);
         let kept = (MOST * rests.len() as f64).ceil() as usize;
+        if kept < rests.len() {
+            rests.select_nth_unstable_by(kept, f64::total_cmp);
+        }
         let sum: f64 = rests[..kept].iter().map(|x| x * x).sum();
         (sum / kept.max(1) as f64).sqrt()
     }
@@ -650,6 +680,22 @@ mod tests {
             let looked_at = if explained <= 13 { ASKED } else { pixels.len() };
             assert_eq!(asked.distances.len(), looked_at, "{explained}");
         }
+    }
+
+    #[test]
+    fn the_worst_tenth_is_left_out_and_of_equals_the_last() {
+        let off = |x: &f64| x.abs();
+        let varied: Vec<f64> = (0..100).map(|k| f64::from(k * 37 % 100)).collect();
+        let kept = without_worst(&varied, off);
+        let expected = varied.iter().copied().filter(|x| *x < 90.0);
+        assert!(kept.iter().copied().eq(expected));
+        // Which signs are left tells which of the equals were kept.
+        let equal: Vec<f64> = (0..100).map(|k| if k < 90 { 1.0 } else { -1.0 }).collect();
+        assert_eq!(without_worst(&equal, off), vec![1.0; 90]);
+        let one_better: Vec<f64> = equal.iter().copied().chain([0.5; 1]).collect();
+        let kept = without_worst(&one_better, off);
+        assert_eq!((kept.len(), kept.last()), (91, Some(&0.5)));
+        assert_eq!(without_worst(&[2.0], off), [2.0]);
     }
 
     #[test]

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::super::picture::Plane;
 use super::super::points::{WORLD_POINT, place};
 use super::motion::FEWEST;
-use super::{Case, Diagnosis, Kind, MOST, Tally};
+use super::{Case, Diagnosis, Kind, Tally, without_worst};
 use crate::render::aov::Aov;
 use crate::spacetime::Event;
 
@@ -91,12 +91,10 @@ fn of_object(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Opti
         });
         1.0 + above / below
     };
-    let mut kept: Vec<&Side> = sides.iter().collect();
-    let first = factor(&kept);
+    let all: Vec<&Side> = sides.iter().collect();
+    let first = factor(&all);
     let rest = |k: f64, side: &Side| (side.off() - (k - 1.0) * side.n.dot(side.r)).abs();
-    kept.par_sort_by(|a, b| rest(first, a).total_cmp(&rest(first, b)));
-    kept.truncate((MOST * kept.len() as f64).ceil() as usize);
-    let k = factor(&kept);
+    let k = factor(&without_worst(&all, |side| rest(first, side)));
     let tally = Tally::of(
         sides
             .par_iter()

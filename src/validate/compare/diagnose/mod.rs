@@ -549,7 +549,7 @@ fn without_worst<T: Copy + Sync>(all: &[T], off: impl Fn(&T) -> f64 + Sync) -> V
     if kept >= all.len() {
         return all.to_vec();
     }
-    let off: Vec<f64> = all.par_iter().map(|one| off(one)).collect();
+    let off: Vec<f64> = all.par_iter().map(&off).collect();
     let mut parted = off.clone();
     let (nearer, limit, _) = parted.select_nth_unstable_by(kept, f64::total_cmp);
     let mut at_limit = nearer

@@ -36,6 +36,7 @@ impl Draft {
         let nodes: Vec<usize> = placed.iter().map(|placed| placed.node).collect();
         let used = materials_of(document, &nodes)?;
         let materials = resolve(document, used, want, &mut warnings)?;
+        // Only the attributes that something will look up are read.
         let wanted = Wanted {
             set: &|material, set| {
                 let of = materials.get(&material);
@@ -80,6 +81,7 @@ pub(crate) const ANIMATIONS_UNREAD: &str =
 
 /// Warns about features of the file that are ignored as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warnings) {
+    // Extensions, whether or not the file says that it uses them.
     let mut unread = document.unread_extensions();
     for (name, is_declared) in unread.by_ref().take(MOST_NAMED) {
         let name = shortened(name);
@@ -100,6 +102,7 @@ fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warning
         let what = format!("{more} more extensions are not supported");
         warnings.add(what, "extensionsUsed");
     }
+    // Animations: of meshes, of cameras and lights, and of what is no node.
     let what = "animations of meshes are not played: nodes stay at rest (cameras and lights follow them by \
                 motion.animation)";
     let animated = animations_of_meshes(document, placed);
@@ -119,6 +122,7 @@ fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warning
         let what = "it animates something other than a node, and is not played";
         warnings.add(what, &format!("animation {animation}, channel {channel}"));
     }
+    // Cameras and lights, which only scenes place.
     let has_camera = |placed: &&Placed| {
         let node = document.root.nodes.get(placed.node);
         node.is_some_and(|node| node.camera.is_some())

@@ -49,6 +49,7 @@ impl Instances {
             layout("ROTATION", Purpose::Rotations)?,
             layout("SCALE", Purpose::Vectors)?,
         ];
+        // Each attribute may be left out; those that are given have a value for each instance.
         let layouts = [&translation, &rotation, &scale].into_iter().flatten();
         let counts: Vec<u64> = layouts.map(|layout| layout.count).collect();
         let Some(&count) = counts.first() else {
@@ -70,6 +71,7 @@ impl Instances {
 
     /// The transforms of the instances, in order.
     pub fn read(&self, buffers: &mut Buffers) -> Result<Vec<DAffine3>> {
+        // What is left out is the identity.
         let count = self.count as usize;
         let mut translations = vec![DVec3::ZERO; count];
         let mut scales = vec![DVec3::ONE; count];
@@ -87,6 +89,7 @@ impl Instances {
         if let Some(layout) = &self.rotation {
             accessor::read::<4>(buffers, layout, &mut |at, q| rotations[at as usize] = q)?;
         }
+        // Quaternions need not have length 1: `placing` takes their squared length.
         let mut transforms = Vec::with_capacity(count);
         for at in 0..count {
             let norm = rotations[at].iter().map(|c| c * c).sum::<f64>();

@@ -28,6 +28,7 @@ pub(super) struct Moving {
 pub(super) fn resolve(cx: &Context, mover: &Mover, position: DVec3) -> Result<Moving> {
     let motion = motion(cx, mover, position)?;
     let velocity = velocity::resolve(cx, mover.velocity)?;
+    // Keyframes are events of the world themselves; other motions begin where and when the clock shows 0.
     let origin = match &motion {
         Motion::Keyframes(events) | Motion::Animation { events, .. } => {
             events.first().copied().unwrap_or(Event::ORIGIN)
@@ -53,6 +54,7 @@ pub(super) fn resolve(cx: &Context, mover: &Mover, position: DVec3) -> Result<Mo
 
 /// Refuses axes that have no effect on this motion, or in which it has no closed form.
 fn check_axes(cx: &Context, axes: &At<Axes>, motion: &Motion, line: &WorldLine) -> Result<()> {
+    // Each constant acceleration, with the time at which it begins.
     let starts: Vec<(f64, DVec3)> = match motion {
         Motion::Inertial | Motion::Profile { .. } => return Ok(()),
         Motion::Accelerated(a) => vec![(0.0, *a)],

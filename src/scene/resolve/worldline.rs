@@ -17,6 +17,7 @@ const WEAKER: &str = "make it weaker or shorter";
 pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Error {
     let noun = mover.noun;
     let span = |index| mover.motion.as_ref().and_then(|at| entry(at, index));
+    // At the segment, knot or keyframe that is to blame.
     let here = span(error.index()).unwrap_or(mover.span);
     match *error {
         WorldLineError::TooFast { proper_time, .. } => {
@@ -85,6 +86,7 @@ pub(super) fn refuse_outside(
     line: &WorldLine,
 ) -> Result<()> {
     let duration = camera.shutter.as_ref().map(|at| &at.value.duration);
+    // A shot is an exposure without duration.
     let end = model.time + model.shutter.map_or(0.0, |s| s.duration);
     let times = [
         (model.time, &camera.time, "begins"),

@@ -39,6 +39,7 @@ impl Labels {
     /// An item with gaps.
     fn without(&self, item: Item) -> Vec<Item> {
         match item {
+            // The lines are inside of clips, which may be nested.
             Item::Clip { path, items } => {
                 let items = items.into_iter().flat_map(|item| self.without(item));
                 vec![Item::Clip {
@@ -67,6 +68,7 @@ impl Labels {
         let mut found: Vec<Rect> = Vec::new();
         for ends in points.windows(2) {
             let (low, high) = (ends[0][1].min(ends[1][1]), ends[0][1].max(ends[1][1]));
+            // A label in two rows is found twice.
             let near = self.0.range(row(low)..=row(high));
             for label in near.flat_map(|(_, labels)| labels) {
                 if label.is_crossed(ends[0], ends[1]) {
@@ -102,6 +104,7 @@ fn straight(path: &Path) -> Option<Vec<[f64; 2]>> {
 
 /// The remaining parts of a line; its arrowheads stay at its ends.
 fn pieces(points: &[[f64; 2]], stroke: Stroke, gaps: &[Rect]) -> Vec<Item> {
+    // Parts that touch remain one line, so that dashes and joins continue.
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
     for ends in points.windows(2) {
         for [from, to] in without([ends[0], ends[1]], gaps) {

@@ -64,6 +64,7 @@ fn boost(names: &mut Names, animation: &file::Animation, views: &[usize]) -> Res
         let help = "name another frame, or another one in `view`";
         return Err(names.cx.refuse(name, what, help));
     }
+    // Two frames may each be slow enough for the world, and too fast for each other.
     let from = names.frame_at(from, &name.span)?;
     if let Err(error) = target.velocity().relative_to(from.velocity()) {
         return Err(names

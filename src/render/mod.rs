@@ -23,4 +23,5 @@ pub mod tonemap;
 pub mod trace;
 
 pub use estimate_reads::estimate_reads;
+pub(crate) use tiles::render_every;
 pub use tiles::{render, render_over, render_tiles, render_with_stats};

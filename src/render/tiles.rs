@@ -62,8 +62,8 @@ pub fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress
     tiles_with(scene, tiles, None, progress, None)
 }
 
-/// Renders every `step`-th tile.
-pub(super) fn render_every(scene: &Prepared, step: u64, progress: &dyn Progress) -> Result<Film> {
+/// Renders every `step`-th tile; the rest of the film stays empty.
+pub(crate) fn render_every(scene: &Prepared, step: u64, progress: &dyn Progress) -> Result<Film> {
     let all = 0..Tile::count(scene.layout.size);
     let tiles = all.into_par_iter().filter(|tile| tile % step == 0);
     tiles_with(scene, tiles, None, progress, None)

@@ -13,6 +13,8 @@
 //! x ← x + (JᵀJ)⁻¹ Jᵀ (c − L(x)).
 //! ```
 
+use std::borrow::Cow;
+
 use glam::{DMat3, DVec3};
 
 use super::Case;
@@ -31,29 +33,30 @@ const FINE: f64 = 1e-3;
 const PROMISING: f64 = 0.9;
 
 /// Adds a size with its light, and keeps the two whose light is closest to the candidate's.
-fn keep_nearest(found: &mut Vec<(f64, Light, Fit)>, next: (f64, Light, Fit)) {
+fn keep_nearest<'a>(found: &mut Vec<(f64, Cow<'a, Light>, Fit)>, next: (f64, Cow<'a, Light>, Fit)) {
     found.push(next);
     found.sort_by(|a, b| a.2.left.total_cmp(&b.2.left));
     found.truncate(2);
 }
 
-/// The size of a mistake that explains the candidate, if one does: the search starts with 0 and the sizes `tried`.
+/// The size of a mistake that explains the candidate, if one does: the search starts with 0, with the light `unchanged`, and the sizes `tried`.
 pub(super) fn of_some_size(
     case: &Case,
     lit: &[Lit],
+    unchanged: &Light,
     tried: &[f64],
     scene: impl Fn(f64) -> Option<Scene>,
 ) -> Option<(f64, Fit)> {
     let smallest = tried.iter().map(|x| x.abs()).reduce(f64::min)?;
     let middle = middle(lit);
     let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
-    let light = |x: f64| -> Option<(f64, Light, Fit)> {
+    let light = |x: f64| -> Option<(f64, Cow<Light>, Fit)> {
         let light = light_of(case, &scene(x)?, lit)?;
         let fit = light.fit(lit);
-        Some((x, light, fit))
+        Some((x, Cow::Owned(light), fit))
     };
     // The best two are enough.
-    let mut found = vec![light(0.0)?];
+    let mut found = vec![(0.0, Cow::Borrowed(unchanged), unchanged.fit(lit))];
     for x in tried {
         keep_nearest(&mut found, light(*x)?);
     }
@@ -99,29 +102,29 @@ const LEAST_PLACE: f64 = 1e-3;
 /// The largest fraction of the squared error that another place may leave: other films leave more, as do edges of single samples.
 const LEFT_BY_PLACE: f64 = 0.02;
 
-/// The displacement of something in the scene that explains the candidate, if one does: by Gauss–Newton steps from its place, with
-/// differences along the axes.
+/// The displacement of something in the scene that explains the candidate, if one does: by Gauss–Newton steps from its place, where it
+/// gives the light `unchanged`, with differences along the axes.
 pub(super) fn of_some_place(
     case: &Case,
     lit: &[Lit],
+    unchanged: &Light,
     size: f64,
     scene: &dyn Fn(DVec3) -> Option<Scene>,
 ) -> Option<(DVec3, Fit)> {
     let middle = middle(lit);
     let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
     let light = |x: DVec3| light_of(case, &scene(x)?, lit);
-    let at_place = light(DVec3::ZERO)?;
     let near = NEARBY * size;
     let beside: Vec<Light> = (DVec3::AXES.into_iter())
         .map(|axis| light(near * axis))
         .collect::<Option<_>>()?;
     // The columns of ∂L/∂x at each pixel.
     let slopes = |i: usize| {
-        let here = compressed(at_place.0[i]);
+        let here = compressed(unchanged.0[i]);
         [0, 1, 2].map(|k| (compressed(beside[k].0[i]) - here) / near)
     };
-    let (mut x, mut now) = (DVec3::ZERO, at_place.0.clone());
-    let mut fit = Light(now.clone()).fit(lit);
+    let (mut x, mut now) = (DVec3::ZERO, unchanged.0.clone());
+    let mut fit = unchanged.fit(lit);
     for step_number in 0..STEPS {
         let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
         for (i, [_, c]) in lit {

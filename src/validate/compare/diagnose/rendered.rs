@@ -10,7 +10,7 @@ use super::camera::elsewhere_in_words;
 use super::fitted::{of_some_place, of_some_size};
 use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark};
 use super::motion::{ADVANCED, in_words};
-use super::scene_light::{Light, MEMORY, light_and_size_of, light_of};
+use super::scene_light::{Light, MEMORY, light_and_size_of, light_if_promising, light_of};
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
 use crate::camera::Shot;
@@ -69,13 +69,13 @@ fn in_the_light(case: &Case) -> Verdict {
         if fit(&lit, |_, r| r).tally.error() <= NOTABLE {
             return None;
         }
-        let size = size_where_light_is_that_of(case, scene, &lit)?;
-        Some((scene, lit, size))
+        let unchanged = light_if_that_of(case, scene, &lit)?;
+        Some((scene, lit, unchanged))
     };
-    let Some((scene, lit, size)) = scene_and_size() else {
+    let Some((scene, lit, unchanged)) = scene_and_size() else {
         return Verdict::Nothing;
     };
-    mistake(case, scene, &lit, size).map_or(Verdict::NoMistake, |(found, left)| {
+    mistake(case, scene, &lit, &unchanged).map_or(Verdict::NoMistake, |(found, left)| {
         Verdict::Mistake(found, left)
     })
 }
@@ -88,7 +88,7 @@ fn in_the_dark(case: &Case) -> Option<(Diagnosis, f64)> {
     if fit(&all, |_, r| r).tally.error() <= NOTABLE {
         return None;
     }
-    size_where_light_is_that_of(case, scene, &lit)?;
+    light_if_that_of(case, scene, &lit)?;
     let fit = light_of(case, &mistake.scene, &all)?.fit(&all);
     let explains = fit.tally.explains(NOTABLE) && fit.left <= LEFT_BY_MISTAKE;
     explains.then(|| {
@@ -111,7 +111,14 @@ fn evidence_of(size: (&'static str, f64), fit: &Fit) -> Vec<(&'static str, f64)>
         .collect()
 }
 
-fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagnosis, f64)> {
+/// The mistake in a scene whose light is `unchanged`, and whose size that is.
+fn mistake(
+    case: &Case,
+    scene: &Scene,
+    lit: &[Lit],
+    unchanged: &(Light, f64),
+) -> Option<(Diagnosis, f64)> {
+    let (light, size) = (&unchanged.0, unchanged.1);
     let mut mistakes = Vec::new();
     if !case.has_places() {
         // Before other mistakes that move an object out of view.
@@ -122,19 +129,19 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     mistakes.extend(without_shadows(scene));
     mistakes.extend(by_whole_bins(scene));
     let of_no_size = mistakes.into_iter().filter_map(|mistake| {
-        let fit = light_of(case, &mistake.scene, lit)?.fit(lit);
+        let fit = light_if_promising(case, &mistake.scene, lit)?.fit(lit);
         let explains = fit.tally.explains(NOTABLE) && fit.left <= LEFT_BY_MISTAKE;
         explains.then_some((mistake, fit))
     });
-    let of_times = of_some_size(case, lit, &times(scene), |x| later(scene, x));
+    let of_times = of_some_size(case, lit, light, &times(scene), |x| later(scene, x));
     let of_times = of_times.map(|(x, fit)| (lookup(scene, x), fit));
     let speeds: &[f64] = if case.has_places() { &[] } else { &SPEEDS };
-    let of_speeds = of_some_size(case, lit, speeds, |x| faster(scene, x));
+    let of_speeds = of_some_size(case, lit, light, speeds, |x| faster(scene, x));
     let of_speeds = of_speeds.filter(|(x, fit)| x.abs() >= SLOWEST && fit.left <= LEFT_BY_SPEED);
     let of_speeds = of_speeds.and_then(|(x, fit)| Some((speed(scene, x)?, fit)));
     let mut found: Vec<(Mistake, Fit)> = of_no_size.chain(of_times).chain(of_speeds).collect();
     if found.is_empty() {
-        found.extend(elsewhere(case, scene, lit, size));
+        found.extend(elsewhere(case, scene, lit, unchanged));
     }
     let rest = |(_, fit): &(Mistake, Fit)| fit.tally.rest();
     let best = (found.iter()).min_by(|a, b| rest(a).total_cmp(&rest(b)))?;
@@ -207,8 +214,8 @@ pub(super) fn events_of(
 /// The relative error of light below which at least half of the pixels must be if the scene is the reference's, whatever their samples.
 const SAME_LIGHT: f64 = 0.05;
 
-/// The size of the scene, if its light is the reference's.
-fn size_where_light_is_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<f64> {
+/// The light of the scene, and its size, if that is the reference's light.
+fn light_if_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, f64)> {
     let (Light(light), size) = light_and_size_of(case, scene, lit)?;
     let sum = |light: &[f64; 3]| light.iter().sum::<f64>();
     let off = lit
@@ -216,14 +223,20 @@ fn size_where_light_is_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Optio
         .map(|(i, [r, _])| (sum(&light[*i]) / sum(r) - 1.0).abs());
     median(off.collect())
         .filter(|off| *off <= SAME_LIGHT)
-        .map(|_| size)
+        .map(|_| (Light(light), size))
 }
 
 /// The most pulses and lamps that are tested for other places.
 const MOST_LIGHTS: usize = 4;
 
 /// The camera, a pulse or a lamp at another place.
-fn elsewhere(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Mistake, Fit)> {
+fn elsewhere(
+    case: &Case,
+    scene: &Scene,
+    lit: &[Lit],
+    unchanged: &(Light, f64),
+) -> Option<(Mistake, Fit)> {
+    let (light, size) = (&unchanged.0, unchanged.1);
     let mut found = Vec::new();
     let mut test = |kind, change: &dyn Fn(&mut Scene, DVec3), words: &dyn Fn(DVec3) -> String| {
         let scene_with = |x: DVec3| {
@@ -231,20 +244,22 @@ fn elsewhere(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Mist
             change(&mut changed, x);
             Some(changed)
         };
-        found.extend(of_some_place(case, lit, size, &scene_with).map(|(x, fit)| {
-            let what = format!("{} (judged by light only)", words(x));
-            let size = ("displaced by (m)", x.length());
-            let scene = scene.clone();
-            (
-                Mistake {
-                    kind,
-                    what,
-                    size,
-                    scene,
-                },
-                fit,
-            )
-        }));
+        found.extend(
+            of_some_place(case, lit, light, size, &scene_with).map(|(x, fit)| {
+                let what = format!("{} (judged by light only)", words(x));
+                let size = ("displaced by (m)", x.length());
+                let scene = scene.clone();
+                (
+                    Mistake {
+                        kind,
+                        what,
+                        size,
+                        scene,
+                    },
+                    fit,
+                )
+            }),
+        );
     };
     let eye = scene.camera.origin.x;
     if !case.has_places() {

@@ -3,12 +3,13 @@
 use glam::DVec3;
 
 use super::super::known::is_all_in_its_text;
-use super::Case;
 use super::light::{Fit, Lit, fit};
+use super::{Case, FEWEST_ASKED};
+use crate::render::film::{TILE, Tile};
 use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
-use crate::render::render;
+use crate::render::{render, render_every};
 use crate::scene::model::Scene;
 
 /// The most samples per pixel, and the most rays of a picture: edges alone need more.
@@ -18,6 +19,7 @@ const MOST_RAYS: usize = 4_000_000;
 pub(super) const MEMORY: u64 = 1 << 30;
 
 /// The light of a scene, for each pixel.
+#[derive(Clone)]
 pub(super) struct Light(pub Vec<[f64; 3]>);
 
 impl Light {
@@ -28,11 +30,59 @@ impl Light {
 
 /// The light of a scene in the candidate's pixels.
 pub(super) fn light_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light> {
-    light_and_size_of(case, scene, lit).map(|(light, _)| light)
+    light_of_all(&prepared(case, scene)?, lit)
 }
 
 /// The same, with the largest distance in metres of surfaces from the origins of their rest frames.
 pub(super) fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, f64)> {
+    let prepared = prepared(case, scene)?;
+    let reach = |(lo, hi): (DVec3, DVec3)| lo.abs().max(hi.abs()).max_element();
+    let bounds = prepared
+        .frames
+        .iter()
+        .filter_map(|frame| frame.bvh.bounds());
+    let size = bounds.map(reach).fold(0.0, f64::max);
+    Some((light_of_all(&prepared, lit)?, size))
+}
+
+/// The light of a scene that is only of interest if it explains that of the candidate: `None` if it explains too little of some tiles.
+pub(super) fn light_if_promising(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light> {
+    let prepared = prepared(case, scene)?;
+    let size = case.points[0].size().map(|n| n as u32);
+    // In no row or column more than in others.
+    let across = u64::from(size[0].div_ceil(TILE));
+    let step = STEPS.into_iter().find(|step| across % step != 0)?;
+    if Tile::count(size) >= FEWEST_TILES * step {
+        let light = render_every(&prepared, step, &Silent).ok()?;
+        let light = light.radiance();
+        let is_rendered = |(i, _): &&Lit| {
+            let [x, y] = [*i as u32 % size[0], *i as u32 / size[0]].map(|at| u64::from(at / TILE));
+            (y * across + x) % step == 0
+        };
+        let some: Vec<Lit> = lit.iter().filter(is_rendered).copied().collect();
+        let tally = fit(&some, |i, _| light[i]).tally;
+        if tally.distances.len() >= FEWEST_ASKED && tally.share() < PROMISING {
+            return None;
+        }
+    }
+    light_of_all(&prepared, lit)
+}
+
+/// Every seventh tile is asked first, or, if that would be whole columns, fewer; where these are enough to decide.
+const STEPS: [u64; 3] = [7, 11, 13];
+const FEWEST_TILES: u64 = 32;
+/// Tiles are less independent than pixels: a hypothesis that explains nine tenths of all pixels explains more than half of those in them.
+const PROMISING: f64 = 0.5;
+
+fn light_of_all(prepared: &Prepared, lit: &[Lit]) -> Option<Light> {
+    let film = render(prepared, &Silent).ok()?;
+    let light = film.radiance().to_vec();
+    let last = lit.iter().map(|(i, _)| *i).max()?;
+    (last < light.len()).then_some(Light(light))
+}
+
+/// A scene, ready to be rendered as the reference was.
+fn prepared(case: &Case, scene: &Scene) -> Option<Prepared> {
     let mut scene = scene.clone();
     let [width, height] = case.points[0].size();
     let most = (MOST_RAYS / (width * height).max(1)).clamp(1, MOST_SAMPLES as usize);
@@ -50,14 +100,6 @@ pub(super) fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Opti
     }
     let plan = Plan::new(&scene, &request).ok()?;
     let prepared = Prepared::new(&scene, &plan, &Silent).ok()?;
-    let reach = |(lo, hi): (DVec3, DVec3)| lo.abs().max(hi.abs()).max_element();
-    let bounds = prepared
-        .frames
-        .iter()
-        .filter_map(|frame| frame.bvh.bounds());
-    let size = bounds.map(reach).fold(0.0, f64::max);
-    let film = render(&prepared, &Silent).ok()?;
-    let light = film.radiance().to_vec();
-    let last = lit.iter().map(|(i, _)| *i).max()?;
-    (light.len() == width * height && last < light.len()).then_some((Light(light), size))
+    // Pictures of other sizes are not compared.
+    (prepared.layout.size.map(|n| n as usize) == [width, height]).then_some(prepared)
 }

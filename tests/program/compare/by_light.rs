@@ -297,6 +297,36 @@ fn missing_retardation_and_velocities_are_named_by_light_where_the_scene_is_ther
 }
 
 #[test]
+fn mistakes_in_pictures_of_many_tiles_are_named_by_light_as_in_small_ones() {
+    // 300 tiles: enough for hypotheses to be rendered on every seventh of them first.
+    let larger = ("size = [96, 72]", "size = [320, 240]");
+    let options = CompareOptions {
+        scene: Some(Arc::new(parsed(&SCENE.replace(larger.0, larger.1)))),
+        pixels_per_degree: None,
+        ..CompareOptions::default()
+    };
+    let reference = with(&[larger]);
+    for (right, wrong, kind) in [
+        (
+            "beta = [0.3, 0, 0]",
+            "beta = [0, 0, 0]",
+            Kind::VelocityMissing,
+        ),
+        (
+            "beta = [-0.4, 0, 0]",
+            "beta = [0.4, 0, 0]",
+            Kind::VelocityWrong,
+        ),
+        ("[-1, 0.6, 0]", "[-1000, 0.6, 0]", Kind::ObjectMissing),
+    ] {
+        let candidate = light(&with(&[larger, (right, wrong)]));
+        let found = diagnosed_with(&reference, &candidate, &options);
+        named(kind, &["object "], &found);
+    }
+    assert_eq!(diagnosed_with(&reference, &light(&reference), &options), []);
+}
+
+#[test]
 fn colours_gamma_exposure_and_exponents_are_named_by_light_alone() {
     let exact = exact();
     let of = |of: &dyn Fn(usize, usize) -> f64| {

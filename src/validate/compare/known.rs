@@ -43,12 +43,12 @@ pub struct KnownScene {
     index: f64,
     objects: Vec<InertialFrame<Rest>>,
     /// How the points of each object are seen in the world; `None` for those that outrun light.
-    looks: Vec<Option<Look>>,
+    views: Vec<Option<ObjectView>>,
 }
 
 /// How the points of an object are seen in the world: along the boosted c, of the head of this module.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Look {
+struct ObjectView {
     /// The place q of the shot in the object's frame.
     shot: DVec3,
     /// n, and (1/(γ √(1 − η²β²)) − 1); `None` for those with c = r.
@@ -56,9 +56,9 @@ struct Look {
     boost: Boost<World, Rest>,
 }
 
-impl Look {
+impl ObjectView {
     /// For an object at rest in `frame`, a shot at `event` and the refractive index η; `None` if the object outruns light.
-    fn new(frame: &InertialFrame<Rest>, event: Event<World>, index: f64) -> Option<Look> {
+    fn new(frame: &InertialFrame<Rest>, event: Event<World>, index: f64) -> Option<ObjectView> {
         let shot = frame.event_from_world(event).x;
         let (n, rapidity) = frame.velocity().split();
         let slowed = index * libm::tanh(rapidity);
@@ -75,7 +75,7 @@ impl Look {
                 (Some((n, stretch)), Boost::new(velocity))
             }
         };
-        Some(Look {
+        Some(ObjectView {
             shot,
             stretch,
             boost,
@@ -268,15 +268,15 @@ impl KnownScene {
                 .into_iter()
                 .map(|(velocity, origin)| InertialFrame::new(velocity, origin))
                 .collect(),
-            looks: Vec::new(),
+            views: Vec::new(),
         };
-        Some(scene.with_looks())
+        Some(scene.with_views())
     }
 
-    /// With the looks of its objects, shot and medium.
-    fn with_looks(mut self) -> KnownScene {
-        let look = |frame: &InertialFrame<Rest>| Look::new(frame, self.event, self.index);
-        self.looks = self.objects.iter().map(look).collect();
+    /// With the views of its objects, for its shot and medium.
+    fn with_views(mut self) -> KnownScene {
+        let view = |frame: &InertialFrame<Rest>| ObjectView::new(frame, self.event, self.index);
+        self.views = self.objects.iter().map(view).collect();
         self
     }
 
@@ -317,7 +317,7 @@ impl KnownScene {
                 set(k, of_j);
             }
         }
-        let changed = changed.with_looks();
+        let changed = changed.with_views();
         (changed != *self).then_some(changed)
     }
 
@@ -336,7 +336,7 @@ impl KnownScene {
             camera: shot.frame,
             ..self.clone()
         };
-        Some(scene.with_looks())
+        Some(scene.with_views())
     }
 
     /// The displacement from the shot to an event of the world: its spatial part in the world, and in the camera's frame.
@@ -405,8 +405,8 @@ impl KnownScene {
     /// The image of the point `p` of object `k`, pixels from the film's top left corner; `None` if it would not be seen on a film of any
     /// size, or is seen twice.
     pub(super) fn film_point(&self, k: usize, p: DVec3) -> Option<DVec2> {
-        let look = self.looks.get(k)?.as_ref()?;
-        self.film_point_along(look.direction(p)?)
+        let view = self.views.get(k)?.as_ref()?;
+        self.film_point_along(view.direction(p)?)
     }
 
     /// The image of the world's direction `d`; `None` if no film point looks that way.

@@ -91,8 +91,10 @@ fn pair(arguments: &CompareArguments) -> Result<(Budget, [Picture; 2])> {
         || read(&budget, &arguments.reference),
         || read(&budget, &arguments.candidate),
     );
-    if let (Ok(reference), Ok(candidate)) = both {
-        return Ok((budget, [reference, candidate]));
+    match both {
+        (Ok(reference), Ok(candidate)) => return Ok((budget, [reference, candidate])),
+        // Its memory is needed again.
+        failed => drop(failed),
     }
     // Which of two pictures is beyond the memory depends on the threads: the second one.
     let budget = Budget::new(arguments.memory.bytes());

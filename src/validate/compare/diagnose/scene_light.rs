@@ -51,8 +51,10 @@ pub(super) fn light_if_promising(case: &Case, scene: &Scene, lit: &[Lit]) -> Opt
     let size = case.points[0].size().map(|n| n as u32);
     // In no row or column more than in others.
     let across = u64::from(size[0].div_ceil(TILE));
-    let step = STEPS.into_iter().find(|step| across % step != 0)?;
-    if Tile::count(size) >= FEWEST_TILES * step {
+    let step = STEPS.into_iter().find(|step| across % step != 0);
+    if let Some(step) = step
+        && Tile::count(size) >= FEWEST_TILES * step
+    {
         let light = render_every(&prepared, step, &Silent).ok()?;
         let light = light.radiance();
         let is_rendered = |(i, _): &&Lit| {

@@ -12,6 +12,7 @@ use super::memory::Memory;
 use super::model::{Scene, Shape};
 use super::overrides::{self, Overrides};
 use super::report::Report;
+use super::text::Text;
 use crate::error::{Error, Result};
 use crate::io::cube::Cube;
 use crate::mesh::Mesh;
@@ -189,7 +190,7 @@ impl Builder {
         }
         let report = Report {
             name: self.name,
-            text: self.document.to_string().into(),
+            text: Text::unedited(self.document.to_string()),
             edits: Vec::new(),
         };
         // `report` holds the text; the file gives the folder and the arrays in memory.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::model::{
     Assembly, CameraModel, Motion, Object, ProjectionKind, Scene, Sensor, Sky, SkyRadiance,
 };
+use super::text::Text;
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
 use crate::spacetime::{CameraFrame, Event, InertialFrame, Quantity, Rest, Velocity, World};
 
@@ -54,6 +55,14 @@ impl CameraModel {
 }
 
 impl Scene {
+    /// The text with its overrides, and that of the file.
+    pub(crate) fn text_and_file(&self) -> Text {
+        Text {
+            edited: self.text.as_str().into(),
+            file: self.file_text.clone(),
+        }
+    }
+
     /// Whether any colours depend on wavelengths: those of lines, of spectra, and of RGB that represents a spectrum, which the Doppler
     /// shift changes.
     pub fn sees_wavelengths(&self) -> bool {

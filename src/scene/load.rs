@@ -13,6 +13,7 @@ use super::model::Scene;
 use super::overrides::{self, Overrides};
 use super::report::Report;
 use super::resolve::{self, Context, GLTF, Kinematics, NUMBERS, SPECTRUM};
+use super::text::Text;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::cube::{self, CubeFormat};
@@ -97,7 +98,7 @@ impl SceneFile {
     /// Changes that cannot be made.
     pub fn changed_text(&self, overrides: &Overrides) -> Result<String> {
         let report = report(&self.text, &self.name, overrides)?;
-        Ok(report.text.to_string())
+        Ok(report.text.edited.to_string())
     }
 
     /// The scene with the changes of `overrides`.
@@ -384,12 +385,13 @@ pub(crate) fn parse_diagram<D: DeserializeOwned, T>(
 /// The text of a scene, with its overrides.
 fn report(text: &str, name: &str, overrides: &Overrides) -> Result<Report> {
     refuse_long(text.len(), name)?;
-    let (text, edits) = overrides::apply(text, overrides)?;
-    Ok(Report {
-        name: name.to_string(),
-        text: text.into(),
-        edits,
-    })
+    let (edited, edits) = overrides::apply(text, overrides)?;
+    let text = Text {
+        edited: edited.into(),
+        file: text.into(),
+    };
+    let name = name.to_string();
+    Ok(Report { name, text, edits })
 }
 
 /// The extensions of models that are not read.

@@ -130,6 +130,7 @@ mod report;
 mod resolve;
 mod schema;
 mod suggest;
+mod text;
 mod tree;
 mod values;
 

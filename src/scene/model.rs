@@ -43,6 +43,8 @@ pub struct Scene {
     pub name: String,
     /// The text that was parsed, after overrides; goes into the metadata of outputs.
     pub text: String,
+    /// The text of the file, without overrides: for messages.
+    pub(crate) file_text: Arc<str>,
     /// The folder within which glTF files may refer to other files, besides their own; `None` for no restriction.
     pub folder: Option<PathBuf>,
     /// Files, and COLMAP folders, that were read in addition to the text: spectra, edges of bins, poses and keyframes.

@@ -9,6 +9,7 @@ use super::load::{self, SceneFile};
 use super::model::{Panel, Scene};
 use super::overrides::{self, Overrides};
 use super::report::Report;
+use super::text::Text;
 use crate::error::{Error, Message, Result};
 
 impl SceneFile {
@@ -40,7 +41,10 @@ impl SceneFile {
         let (text, edits) = overrides::apply(&text, overrides)?;
         let report = Report {
             name: self.name.clone(),
-            text: without_panels(&text),
+            text: Text {
+                edited: without_panels(&text),
+                file: self.text.as_str().into(),
+            },
             edits,
         };
         load::scene(report, self, overrides.allow_outside)
@@ -65,7 +69,7 @@ fn blame(scene: &Scene, panel: &Panel, error: Error) -> Error {
     };
     let report = Report {
         name: scene.name.clone(),
-        text: scene.text.as_str().into(),
+        text: scene.text_and_file(),
         edits: Vec::new(),
     };
     let from_file = problem.file == scene.name && !problem.place.is_empty();

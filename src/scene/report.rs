@@ -1,7 +1,6 @@
 //! Error messages: what is wrong, labelled in the text, named by its key, with what would be right.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -11,6 +10,7 @@ use super::overrides::Edit;
 use super::place::{Place, Step, place_of};
 use super::schema;
 use super::suggest::did_you_mean;
+use super::text::Text;
 use super::tree;
 use crate::error::{Error, Message, Problem, Result, Setting};
 
@@ -18,8 +18,8 @@ use crate::error::{Error, Message, Problem, Result, Setting};
 pub(crate) struct Report {
     /// The scene's name.
     pub name: String,
-    /// The text, after edits.
-    pub text: Arc<str>,
+    /// The text.
+    pub text: Text,
     /// What overrides changed in it.
     pub edits: Vec<Edit>,
 }
@@ -27,15 +27,16 @@ pub(crate) struct Report {
 impl Report {
     /// Parses the text into the file's structure.
     pub(super) fn read<D: DeserializeOwned>(&self) -> Result<file::Scene<D>> {
-        tree::read(&self.text).map_err(|error| {
+        tree::read(&self.text.edited).map_err(|error| {
             let span = error.span.unwrap_or(0..0);
-            let place = place_of(&self.text, &span);
+            let place = place_of(&self.text.edited, &span);
             // A syntax error has no key, because there is no tree yet.
-            if place == Place::default() && toml_edit::Document::parse(&*self.text).is_err() {
+            if place == Place::default() && toml_edit::Document::parse(&*self.text.edited).is_err()
+            {
                 return self.not_toml(span, &error.message);
             }
             let (what, help) = explain(&schema::schema(), &error.message, &place);
-            self.refuse_at(&place, &span, what, help)
+            self.refuse_at(&place, &[(&span, "here")], what, help)
         })
     }
 
@@ -46,7 +47,12 @@ impl Report {
         what: impl Into<Message>,
         help: impl Into<Message>,
     ) -> Error {
-        self.refuse_at(&place_of(&self.text, span), span, what, help)
+        self.refuse_at(
+            &place_of(&self.text.edited, span),
+            &[(span, "here")],
+            what,
+            help,
+        )
     }
 
     /// The error for the text at `span`, which conflicts with that at `other`.
@@ -57,12 +63,10 @@ impl Report {
         what: impl Into<Message>,
         help: impl Into<Message>,
     ) -> Error {
-        let mut error = self.refuse(span, what, help);
-        let edit = self.edit_within(&place_of(&self.text, other));
-        if let Error::Invalid(problem) = &mut error
-            && let Some(snippet) = &mut problem.snippet
-        {
-            snippet.labels.push((other.clone(), label.to_string()));
+        let place = place_of(&self.text.edited, span);
+        let mut error = self.refuse_at(&place, &[(span, "here"), (other, label)], what, help);
+        let edit = self.edit_within(&place_of(&self.text.edited, other));
+        if let Error::Invalid(problem) = &mut error {
             cite(&mut problem.help, edit);
         }
         error
@@ -75,21 +79,23 @@ impl Report {
             &format!("missing field `{key}`"),
             &Place::default(),
         );
-        self.refuse_at(&Place::default(), &(0..0), what, help)
+        self.refuse_at(&Place::default(), &[(&(0..0), "here")], what, help)
     }
 
     fn refuse_at(
         &self,
         place: &Place,
-        span: &Range<usize>,
+        labels: &[(&Range<usize>, &str)],
         what: impl Into<Message>,
         help: impl Into<Message>,
     ) -> Error {
         let mut help = help.into();
         cite(&mut help, self.edit_within(place));
-        Problem::new(&self.name, place.to_string(), what, help)
-            .labelled(self.text.clone(), span.clone(), "here")
-            .invalid()
+        let problem = Problem::new(&self.name, place.to_string(), what, help);
+        let labels = labels
+            .iter()
+            .map(|(span, label)| ((*span).clone(), label.to_string()));
+        self.text.show(problem, labels.collect()).invalid()
     }
 
     /// The edit that set the value at `place`.
@@ -99,19 +105,20 @@ impl Report {
 
     fn not_toml(&self, span: Range<usize>, message: &str) -> Error {
         let span = self.visible(span);
-        let before = self.text.get(..span.start).unwrap_or_default();
+        let before = self.text.edited.get(..span.start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
         let what = format!("not TOML: {}", printable(message));
         let help =
             "a scene is a TOML file: `key = value` lines under [table] headers, texts in quotes";
-        Problem::new(&self.name, format!("line {line}"), what, help)
-            .labelled(self.text.clone(), span, "here")
+        let problem = Problem::new(&self.name, format!("line {line}"), what, help);
+        self.text
+            .show(problem, vec![(span, "here".into())])
             .invalid()
     }
 
     /// The span, or the last character of the text if the span is beyond it.
     fn visible(&self, span: Range<usize>) -> Range<usize> {
-        let text = self.text.trim_end();
+        let text = self.text.edited.trim_end();
         match text.char_indices().next_back() {
             Some((last, _)) if span.start >= text.len() => last..text.len(),
             _ => span,

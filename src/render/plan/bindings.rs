@@ -312,11 +312,7 @@ fn refuse(
     help: impl Into<String>,
 ) -> Error {
     let place = format!("source \"{}\", {key}", source.name);
-    Problem::new(&scene.name, place, what, help)
-        .labelled(
-            scene.text.as_str().into(),
-            source.span.clone(),
-            "this source",
-        )
-        .invalid()
+    let problem = Problem::new(&scene.name, place, what, help);
+    let label = (source.span.clone(), "this source".into());
+    scene.text_and_file().show(problem, vec![label]).invalid()
 }

@@ -40,7 +40,7 @@ pub(super) fn resolve_all(cx: &Context, panels: &[At<file::Panel>]) -> Result<Ve
         return Ok(Vec::new());
     }
     let mut taken = HashSet::new();
-    let changes = changes(&cx.report.text);
+    let changes = changes(&cx.report.text.edited);
     let changes = changes.into_iter().chain(std::iter::repeat_with(Vec::new));
     let resolve = |(panel, set)| resolve(cx, panel, set, &mut taken);
     panels.iter().zip(changes).map(resolve).collect()

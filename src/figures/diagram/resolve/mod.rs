@@ -35,7 +35,7 @@ pub(super) fn resolve(
     let across = settings::across(cx, said, direction, scene)?;
     let mut diagram = Diagram {
         name: cx.report.name.clone(),
-        text: cx.report.text.to_string(),
+        text: cx.report.text.edited.to_string(),
         title: settings::words(cx, &said.title)?,
         unit,
         direction,

@@ -56,7 +56,7 @@ fn key(text: &str) -> Option<&str> {
 
 /// Markup of the value of `key` in `[diagram]`.
 fn value<T>(cx: &Context, at: &At<T>, key: &str) -> Result<String> {
-    let document = DocumentMut::from_str(&cx.report.text).unwrap_or_default();
+    let document = DocumentMut::from_str(&cx.report.text.edited).unwrap_or_default();
     let speed = key.strip_suffix(".speed");
     let speed = speed.and_then(|frame| rapidity(&document, frame.strip_prefix("frame.")?, MOST));
     if let Some(rapidity) = speed {

@@ -12,6 +12,8 @@
 //! ```text
 //! x ← x + (JᵀJ)⁻¹ Jᵀ (c − L(x)).
 //! ```
+//!
+//! In large pictures, some tiles are enough to find x; the whole picture is rendered only with that.
 
 use std::borrow::Cow;
 
@@ -19,7 +21,7 @@ use glam::{DMat3, DVec3};
 
 use super::Case;
 use super::light::{Fit, Lit, middle};
-use super::scene_light::{Light, light_of};
+use super::scene_light::{Asked, Light, is_promising, light_of};
 use crate::scene::model::Scene;
 
 /// Steps from the best of the sizes that are tried.
@@ -42,16 +44,36 @@ fn keep_nearest<'a>(found: &mut Vec<(f64, Cow<'a, Light>, Fit)>, next: (f64, Cow
 /// The size of a mistake that explains the candidate, if one does: the search starts with 0, with the light `unchanged`, and the sizes `tried`.
 pub(super) fn of_some_size(
     case: &Case,
-    lit: &[Lit],
+    asked: &Asked,
     unchanged: &Light,
     tried: &[f64],
     scene: impl Fn(f64) -> Option<Scene>,
+) -> Option<(f64, Fit)> {
+    let whole = |x: f64| light_of(case, &scene(x)?, asked.lit);
+    let (x, fit) = match asked.first() {
+        Some(few) => {
+            let light = |x: f64| few.light(case, &scene(x)?);
+            let (x, of_few) = nearest_size(&few.lit, unchanged, tried, light)?;
+            is_promising(&of_few).then_some(())?;
+            (x, whole(x)?.fit(asked.lit))
+        }
+        None => nearest_size(asked.lit, unchanged, tried, whole)?,
+    };
+    (fit.explains() && fit.left <= LEFT_BY_SIZE).then_some((x, fit))
+}
+
+/// The size whose light is closest to the candidate's in these pixels.
+fn nearest_size(
+    lit: &[Lit],
+    unchanged: &Light,
+    tried: &[f64],
+    light: impl Fn(f64) -> Option<Light>,
 ) -> Option<(f64, Fit)> {
     let smallest = tried.iter().map(|x| x.abs()).reduce(f64::min)?;
     let middle = middle(lit);
     let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
     let light = |x: f64| -> Option<(f64, Cow<Light>, Fit)> {
-        let light = light_of(case, &scene(x)?, lit)?;
+        let light = light(x)?;
         let fit = light.fit(lit);
         Some((x, Cow::Owned(light), fit))
     };
@@ -86,8 +108,7 @@ pub(super) fn of_some_size(
     let (x, _, fit) = found.into_iter().next()?;
     // Far beyond what was tried, light hardly changes any more, and chance decides.
     let farthest = tried.iter().map(|x| x.abs()).fold(0.0, f64::max);
-    let is_size = x != 0.0 && x.abs() <= BEYOND * farthest;
-    (is_size && fit.explains() && fit.left <= LEFT_BY_SIZE).then_some((x, fit))
+    (x != 0.0 && x.abs() <= BEYOND * farthest).then_some((x, fit))
 }
 
 /// The largest size that is reported, relative to the largest that is tried.
@@ -106,14 +127,33 @@ const LEFT_BY_PLACE: f64 = 0.02;
 /// gives the light `unchanged`, with differences along the axes.
 pub(super) fn of_some_place(
     case: &Case,
-    lit: &[Lit],
+    asked: &Asked,
     unchanged: &Light,
     size: f64,
     scene: &dyn Fn(DVec3) -> Option<Scene>,
 ) -> Option<(DVec3, Fit)> {
+    let whole = |x: DVec3| light_of(case, &scene(x)?, asked.lit);
+    let (x, fit) = match asked.first() {
+        Some(few) => {
+            let light = |x: DVec3| few.light(case, &scene(x)?);
+            let (x, of_few) = nearest_place(&few.lit, unchanged, size, light)?;
+            is_promising(&of_few).then_some(())?;
+            (x, whole(x)?.fit(asked.lit))
+        }
+        None => nearest_place(asked.lit, unchanged, size, whole)?,
+    };
+    (fit.explains() && fit.left <= LEFT_BY_PLACE).then_some((x, fit))
+}
+
+/// The displacement whose light is closest to the candidate's in these pixels.
+fn nearest_place(
+    lit: &[Lit],
+    unchanged: &Light,
+    size: f64,
+    light: impl Fn(DVec3) -> Option<Light>,
+) -> Option<(DVec3, Fit)> {
     let middle = middle(lit);
     let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
-    let light = |x: DVec3| light_of(case, &scene(x)?, lit);
     let near = NEARBY * size;
     let beside: Vec<Light> = (DVec3::AXES.into_iter())
         .map(|axis| light(near * axis))
@@ -150,6 +190,5 @@ pub(super) fn of_some_place(
             break;
         }
     }
-    let is_place = x.length() >= LEAST_PLACE * size && fit.left <= LEFT_BY_PLACE;
-    (is_place && fit.explains()).then_some((x, fit))
+    (x.length() >= LEAST_PLACE * size).then_some((x, fit))
 }

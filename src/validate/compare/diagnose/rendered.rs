@@ -10,7 +10,7 @@ use super::camera::elsewhere_in_words;
 use super::fitted::{of_some_place, of_some_size};
 use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark};
 use super::motion::{ADVANCED, in_words};
-use super::scene_light::{Light, MEMORY, light_and_size_of, light_if_promising, light_of};
+use super::scene_light::{Asked, Light, MEMORY, light_and_size_of, light_of};
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
 use crate::camera::Shot;
@@ -119,6 +119,7 @@ fn mistake(
     unchanged: &(Light, f64),
 ) -> Option<(Diagnosis, f64)> {
     let (light, size) = (&unchanged.0, unchanged.1);
+    let asked = Asked::new(case, lit);
     let mut mistakes = Vec::new();
     if !case.has_places() {
         // Before other mistakes that move an object out of view.
@@ -129,19 +130,19 @@ fn mistake(
     mistakes.extend(without_shadows(scene));
     mistakes.extend(by_whole_bins(scene));
     let of_no_size = mistakes.into_iter().filter_map(|mistake| {
-        let fit = light_if_promising(case, &mistake.scene, lit)?.fit(lit);
+        let fit = asked.light_if_promising(case, &mistake.scene)?.fit(lit);
         let explains = fit.tally.explains(NOTABLE) && fit.left <= LEFT_BY_MISTAKE;
         explains.then_some((mistake, fit))
     });
-    let of_times = of_some_size(case, lit, light, &times(scene), |x| later(scene, x));
+    let of_times = of_some_size(case, &asked, light, &times(scene), |x| later(scene, x));
     let of_times = of_times.map(|(x, fit)| (lookup(scene, x), fit));
     let speeds: &[f64] = if case.has_places() { &[] } else { &SPEEDS };
-    let of_speeds = of_some_size(case, lit, light, speeds, |x| faster(scene, x));
+    let of_speeds = of_some_size(case, &asked, light, speeds, |x| faster(scene, x));
     let of_speeds = of_speeds.filter(|(x, fit)| x.abs() >= SLOWEST && fit.left <= LEFT_BY_SPEED);
     let of_speeds = of_speeds.and_then(|(x, fit)| Some((speed(scene, x)?, fit)));
     let mut found: Vec<(Mistake, Fit)> = of_no_size.chain(of_times).chain(of_speeds).collect();
     if found.is_empty() {
-        found.extend(elsewhere(case, scene, lit, unchanged));
+        found.extend(elsewhere(case, scene, &asked, unchanged));
     }
     let rest = |(_, fit): &(Mistake, Fit)| fit.tally.rest();
     let best = (found.iter()).min_by(|a, b| rest(a).total_cmp(&rest(b)))?;
@@ -233,7 +234,7 @@ const MOST_LIGHTS: usize = 4;
 fn elsewhere(
     case: &Case,
     scene: &Scene,
-    lit: &[Lit],
+    asked: &Asked,
     unchanged: &(Light, f64),
 ) -> Option<(Mistake, Fit)> {
     let (light, size) = (&unchanged.0, unchanged.1);
@@ -245,7 +246,7 @@ fn elsewhere(
             Some(changed)
         };
         found.extend(
-            of_some_place(case, lit, light, size, &scene_with).map(|(x, fit)| {
+            of_some_place(case, asked, light, size, &scene_with).map(|(x, fit)| {
                 let what = format!("{} (judged by light only)", words(x));
                 let size = ("displaced by (m)", x.length());
                 let scene = scene.clone();

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::known::is_all_in_its_text;
 use super::light::{Fit, Lit, fit};
 use super::{Case, FEWEST_ASKED};
-use crate::render::film::{TILE, Tile};
+use crate::render::film::{Film, TILE, Tile};
 use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
@@ -45,29 +45,70 @@ pub(super) fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Opti
     Some((light_of_all(&prepared, lit)?, size))
 }
 
-/// The light of a scene that is only of interest if it explains that of the candidate: `None` if it explains too little of some tiles.
-pub(super) fn light_if_promising(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light> {
-    let prepared = prepared(case, scene)?;
-    let size = case.points[0].size().map(|n| n as u32);
-    // In no row or column more than in others.
-    let across = u64::from(size[0].div_ceil(TILE));
-    let step = STEPS.into_iter().find(|step| across % step != 0);
-    if let Some(step) = step
-        && Tile::count(size) >= FEWEST_TILES * step
-    {
-        let light = render_every(&prepared, step, &Silent).ok()?;
-        let light = light.radiance();
-        let is_rendered = |(i, _): &&Lit| {
+/// The pixels with light, and those of some tiles, which are asked first about a hypothesis: it has to be rendered there alone.
+pub(super) struct Asked<'a> {
+    pub lit: &'a [Lit],
+    first: Option<Few>,
+}
+
+/// The pixels of every `step`-th tile.
+pub(super) struct Few {
+    step: u64,
+    pub lit: Vec<Lit>,
+}
+
+impl<'a> Asked<'a> {
+    pub fn new(case: &Case, lit: &'a [Lit]) -> Asked<'a> {
+        let first = Few::of(case, lit);
+        Asked { lit, first }
+    }
+
+    /// The few that are asked first, if they are enough to decide.
+    pub fn first(&self) -> Option<&Few> {
+        self.first.as_ref()
+    }
+
+    /// The light of a scene that is only of interest if it explains that of the candidate: `None` if it explains too little of the first
+    /// tiles.
+    pub fn light_if_promising(&self, case: &Case, scene: &Scene) -> Option<Light> {
+        let prepared = prepared(case, scene)?;
+        if let Some(few) = &self.first {
+            let light = few.light_of_all(&prepared)?;
+            is_promising(&light.fit(&few.lit)).then_some(())?;
+        }
+        light_of_all(&prepared, self.lit)
+    }
+}
+
+impl Few {
+    fn of(case: &Case, lit: &[Lit]) -> Option<Few> {
+        let size = case.points[0].size().map(|n| n as u32);
+        let across = u64::from(size[0].div_ceil(TILE));
+        // In no row or column more than in others.
+        let step = STEPS.into_iter().find(|step| across % step != 0)?;
+        let is_of_them = |(i, _): &&Lit| {
             let [x, y] = [*i as u32 % size[0], *i as u32 / size[0]].map(|at| u64::from(at / TILE));
             (y * across + x) % step == 0
         };
-        let some: Vec<Lit> = lit.iter().filter(is_rendered).copied().collect();
-        let tally = fit(&some, |i, _| light[i]).tally;
-        if tally.distances.len() >= FEWEST_ASKED && tally.share() < PROMISING {
-            return None;
-        }
+        let is_large = Tile::count(size) >= FEWEST_TILES * step;
+        let lit: Vec<Lit> = is_large.then(|| lit.iter().filter(is_of_them).copied().collect())?;
+        let wrong = fit(&lit, |_, r| r).tally.distances.len();
+        (wrong >= FEWEST_ASKED).then_some(Few { step, lit })
     }
-    light_of_all(&prepared, lit)
+
+    /// The light of a scene in these pixels.
+    pub fn light(&self, case: &Case, scene: &Scene) -> Option<Light> {
+        self.light_of_all(&prepared(case, scene)?)
+    }
+
+    fn light_of_all(&self, prepared: &Prepared) -> Option<Light> {
+        light(render_every(prepared, self.step, &Silent).ok()?, &self.lit)
+    }
+}
+
+/// Whether a hypothesis explains so much of the first tiles that it may explain all.
+pub(super) fn is_promising(fit: &Fit) -> bool {
+    fit.tally.share() >= PROMISING
 }
 
 /// Every seventh tile is asked first, or, if that would be whole columns, fewer; where these are enough to decide.
@@ -77,7 +118,11 @@ const FEWEST_TILES: u64 = 32;
 const PROMISING: f64 = 0.5;
 
 fn light_of_all(prepared: &Prepared, lit: &[Lit]) -> Option<Light> {
-    let film = render(prepared, &Silent).ok()?;
+    light(render(prepared, &Silent).ok()?, lit)
+}
+
+/// The light of a film that has these pixels.
+fn light(film: Film, lit: &[Lit]) -> Option<Light> {
     let light = film.radiance().to_vec();
     let last = lit.iter().map(|(i, _)| *i).max()?;
     (last < light.len()).then_some(Light(light))

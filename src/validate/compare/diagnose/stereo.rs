@@ -9,7 +9,7 @@ use super::super::options::Region;
 use super::super::picture::{Picture, Plane, RADIANCE};
 use super::super::points::{Points, place};
 use super::fitted::of_some_size;
-use super::scene_light::light_of;
+use super::scene_light::{Asked, light_of};
 use super::{
     Case, Diagnosis, Kind, PUPIL_DISTANCE, PixelLists, constant, diagnose_channels, light, mixed,
     turns,
@@ -167,7 +167,7 @@ fn apart(case: &Case, pair: &Scene, side: f64) -> Option<Diagnosis> {
     };
     let lit = light::lit(case)?;
     let unchanged = light_of(case, &with(0.0)?, &lit)?;
-    let (x, fit) = of_some_size(case, &lit, &unchanged, &WIDER, with)?;
+    let (x, fit) = of_some_size(case, &Asked::new(case, &lit), &unchanged, &WIDER, with)?;
     let is = (1.0 + x) * right;
     let evidence = [("distance (m)", is)].into_iter();
     Some(Diagnosis {

@@ -6,7 +6,7 @@ mod report;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use nullray::error::number;
+use nullray::error::{Message, Setting, number};
 use nullray::io::budget::Budget;
 use nullray::io::image::npz::{self, CubeOptions};
 use nullray::io::npy;
@@ -136,9 +136,31 @@ impl Bake<'_> {
             pictures: self.texels(jobs) / (width * height) + 1,
             ..self.request.clone()
         };
-        let plan = Plan::new(self.scene, &request)?;
+        let plan =
+            Plan::new(self.scene, &request).map_err(|error| self.with_ways(on_surfaces, error))?;
         choose_coordinates(self.coordinates, &plan, jobs)?;
         Ok((request, plan))
+    }
+
+    /// An error about memory, with the options that make a bake smaller.
+    fn with_ways(&self, on_surfaces: bool, mut error: Error) -> Error {
+        if let Error::Invalid(problem) = &mut error
+            && problem.place == "memory"
+        {
+            let size = if on_surfaces { "--texels" } else { "--size" };
+            let half = match self.precision {
+                CubePrecision::Single => ", --half",
+                CubePrecision::Half => "",
+            };
+            let ways = match self.of_flash {
+                true => format!("a smaller {size}, a smaller mesh, or a higher "),
+                false => format!(
+                    "a smaller {size}, fewer --bins (with a larger --bin-width){half}, a smaller mesh, or a higher "
+                ),
+            };
+            problem.help = Message::from(ways) + Setting::MemoryLimit;
+        }
+        error
     }
 
     /// Refuses overlapping charts, unless an atlas may replace them, and textures without enough room, before anything is baked.
@@ -377,7 +399,7 @@ impl Progress for Kept<'_> {
 /// Refuses options that are shared with other commands and have no effect on a bake.
 pub fn check_effects(arguments: &BakeArguments) -> Result<()> {
     let changes = &arguments.scene.changes;
-    let picture = "a bake has no picture, whose brightness it would set";
+    let picture = "a bake makes no picture, so there is no brightness to set";
     let camera = "light on surfaces does not depend on the camera";
     let on_surfaces = !arguments.camera;
     let without_effect = [

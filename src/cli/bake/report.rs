@@ -98,12 +98,20 @@ pub fn report(
             number(bins.start),
             number(end)
         ));
-    } else if !is_of_flash && (energy.before > 1e-4 * all || energy.after > 1e-4 * all) {
-        warnings.push(format!(
-            "the bins miss {:.2} % of its energy before them and {:.2} % after them",
-            part(energy.before),
-            part(energy.after)
-        ));
+    } else if !is_of_flash {
+        let (before, after) = (part(energy.before), part(energy.after));
+        match [before, after].map(|missed| missed > MISSED) {
+            [true, true] => warnings.push(format!(
+                "{before:.2} % of the light arrives before the first bin, and {after:.2} % after the last bin"
+            )),
+            [true, false] => warnings.push(format!(
+                "{before:.2} % of the light arrives before the first bin"
+            )),
+            [false, true] => warnings.push(format!(
+                "{after:.2} % of the light arrives after the last bin"
+            )),
+            [false, false] => {}
+        }
     }
     let error = 100.0 * baked.relative_error();
     if error.is_finite() {
@@ -111,6 +119,9 @@ pub fn report(
     }
     (text + "\n\n" + table, warnings)
 }
+
+/// Light outside of the bins is mentioned from this many per cent on.
+const MISSED: f64 = 0.01;
 
 /// The advice for gloss.
 pub const WAYS: &str =

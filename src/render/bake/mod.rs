@@ -280,7 +280,7 @@ impl Energy {
 }
 
 /// Why light that never ends is refused.
-const FOR_EVER: &str = "it shines for ever, which does not fit into bins of time";
+const FOR_EVER: &str = "it never stops shining, so its light cannot be divided into time bins";
 
 /// The paths of a scene without surfaces that shine for ever: only once models are loaded is it known which surfaces shine.
 fn paths<'a>(scene: &Scene, prepared: &'a Prepared) -> Result<TimedPaths<'a>> {
@@ -336,7 +336,7 @@ fn baked<T: Stored>(
     T::check(&values, scene)?;
     let cube = Cube::new([height, width, bins.count, 3], T::samples(values));
     let cube = cube.map_err(|e| {
-        let help = "lamps whose light f32 can hold";
+        let help = "use a dimmer lamp: f32 cannot hold this light";
         Error::invalid(&scene.name, "light", e.to_string(), help)
     })?;
     // If everything moves, times are those of the objects' own frame.

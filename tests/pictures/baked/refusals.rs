@@ -91,7 +91,7 @@ fn scenes_that_cannot_be_baked_are_refused_with_a_message() {
         (plane.into(), "no light to bake"),
         (
             format!("{plane}[[light]]\nposition = [0, 1, 0]\n"),
-            "shines for ever",
+            "never stops shining",
         ),
         (format!("{plane}{flash}[sky]\n"), "lights surfaces steadily"),
         (
@@ -193,7 +193,7 @@ fn objects_that_shine_for_ever_are_refused_by_name() {
             assert_eq!(error.is_some(), refused, "{text}: {error:?}");
             let Some(error) = error else { continue };
             let said = error.to_string();
-            let words = "object \"glow\": it shines for ever";
+            let words = "object \"glow\": it never stops shining";
             assert!(said.contains(words), "{said}");
             assert!(error.help().contains("type = \"area\""), "{text}");
         }

@@ -166,21 +166,41 @@ fn check_options(outputs: &Outputs) -> Result<()> {
     }
 }
 
+/// The error for a name, given by `option`, whose extension is no format of a `thing`; `help` says which are.
+pub fn unknown_format(option: String, path: &Path, thing: &str, help: &str) -> Error {
+    let what = match extension(path).as_str() {
+        "" => format!("the name does not say which kind of {thing} to write"),
+        other => format!("nullray does not write {thing}s as .{other}"),
+    };
+    refused(option, what, help)
+}
+
+/// Advice for a video of a format that is not written, by its extension; empty for all others.
+pub fn by_ffmpeg(extension: &str) -> String {
+    let pixels = match extension {
+        "gif" => "",
+        "avi" | "m4v" | "mkv" | "mov" | "mp4" | "webm" => " -pix_fmt yuv420p",
+        _ => return String::new(),
+    };
+    format!(
+        "; for .{extension} pipe raw video to ffmpeg: -o - | ffmpeg -i -{pixels} FILE.{extension}"
+    )
+}
+
 /// Refuses a file whose extension the option does not support.
 fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
     let extension = extension(path);
     match (flag, extension.as_str()) {
         (_, "png") | ("-o", "exr" | "npz") | ("--overlay", "svg" | "pdf") => Ok(()),
-        ("--overlay", _) => Err(refused(
-            option,
-            "the name does not say which kind of overlay to write",
-            "end it in .png (pixels), .svg or .pdf (vectors over the picture)",
-        )),
-        ("-o", _) => Err(refused(
-            option,
-            "the name does not say which kind of picture to write",
-            "end it in .png (display), .exr (linear, all channels) or .npz (for numpy)",
-        )),
+        ("--overlay", _) => {
+            let help = "end it in .png (pixels), .svg or .pdf (vectors over the picture)";
+            Err(unknown_format(option.into(), path, "overlay", help))
+        }
+        ("-o", other) => {
+            let known = "end it in .png (display), .exr (linear, all channels) or .npz (for numpy)";
+            let help = known.to_string() + &by_ffmpeg(other);
+            Err(unknown_format(option.into(), path, "picture", &help))
+        }
         ("--luminance", _) => Err(refused(
             option,
             "luminance is a picture for displays",

@@ -9,13 +9,15 @@
 //! | 130 | stopped by Ctrl-C or a termination signal |
 
 use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
+use clap::error::{ContextKind, ContextValue};
 use nullray::{Error, Result};
 
 use super::flags;
-use super::{complain, complain_styled, interrupt};
+use super::{complain, complain_styled, harmless, interrupt};
 
 const OUT_OF_BOUNDS: u8 = 1;
 const FAILED: u8 = 2;
@@ -82,7 +84,8 @@ fn bug(what: &str) -> String {
 const LONGEST_LINE: usize = 400;
 
 /// Reports an error of the command line, with long lines cut.
-pub fn of_command_line(said: &clap::Error) -> ExitCode {
+pub fn of_command_line(mut said: clap::Error) -> ExitCode {
+    add_command(&mut said);
     let styled = said.render().ansi().to_string();
     let lines = styled
         .lines()
@@ -93,6 +96,26 @@ pub fn of_command_line(said: &clap::Error) -> ExitCode {
         });
     complain_styled(&lines.collect::<String>());
     ExitCode::from(FAILED)
+}
+
+/// Adds the command to the error about a scene or a model without one.
+fn add_command(said: &mut clap::Error) {
+    let Some(ContextValue::String(file)) = said.get(ContextKind::InvalidSubcommand) else {
+        return;
+    };
+    let extension = Path::new(file).extension();
+    let is = |known: &str| extension.is_some_and(|extension| extension.eq_ignore_ascii_case(known));
+    if ["toml", "glb", "gltf"].into_iter().any(is) {
+        let file = harmless(file);
+        let tip = match file.contains(char::is_whitespace) {
+            true => format!("nullray render \"{file}\""),
+            false => format!("nullray render {file}"),
+        };
+        let tip = ContextValue::StyledStrs(vec![tip.into()]);
+        // Commands with a similar name are not meant.
+        said.remove(ContextKind::SuggestedSubcommand);
+        said.insert(ContextKind::Suggested, tip);
+    }
 }
 
 /// A problem with an option of the command line.

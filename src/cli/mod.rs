@@ -62,7 +62,7 @@ pub fn run() -> ExitCode {
             let text = said.render().ansi().to_string();
             return failure::outcome(|| print_styled(&text).map(|()| Done::Well));
         }
-        Err(said) => return failure::of_command_line(&said),
+        Err(said) => return failure::of_command_line(said),
     };
     interrupt::install();
     failure::outcome(|| carry_out(arguments.command))

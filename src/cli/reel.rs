@@ -17,7 +17,7 @@ use nullray::scene::model::Scene;
 use nullray::{Error, Result};
 use tempfile::TempDir;
 
-use super::check::Names;
+use super::check::{Names, by_ffmpeg, unknown_format};
 use super::failure::refused;
 use super::output::extension;
 use super::{inputs, interrupt, memory, say};
@@ -53,9 +53,9 @@ pub fn check(films: &[PathBuf], read: &[PathBuf]) -> Result<()> {
     for path in films {
         let option = format!("-o {}", path.display());
         if !is_film(path) {
-            let what = "the name does not say which kind of film to write";
-            let help = "end it in .apng (animated PNG) or .y4m (raw video), or write - for raw video on standard output";
-            return Err(refused(option, what, help));
+            let known = "end it in .apng (animated PNG) or .y4m (raw video), or write - for raw video on standard output";
+            let help = known.to_string() + &by_ffmpeg(&extension(path));
+            return Err(unknown_format(option, path, "film", &help));
         }
         if !is_pipe(path) {
             names.check(&option, path)?;

@@ -82,7 +82,7 @@ pub struct MotionArguments {
     pub direction: Option<Heading>,
     /// How far the camera goes, with its unit: "6 m". Default: nine tenths of the way to the point that it looks at;
     /// for --flyby twice the distance to that point, times γ.
-    #[arg(long, value_name = "LENGTH", conflicts_with_all = ["light", "speeds"])]
+    #[arg(long, value_name = "LENGTH", value_parser = length, conflicts_with_all = ["light", "speeds"])]
     pub distance: Option<Time>,
     /// The camera's time at the first picture, with --light. Default: from when light comes into view until it has left,
     /// not counting light that lasts ten times as long as a flash.
@@ -105,6 +105,12 @@ fn frames_of_film(said: &str) -> Result<u32, String> {
         Ok(count) => format!("the number of a film's pictures is --pictures: --pictures {count}"),
         Err(_) => "a film is made whole; the number of its pictures is --pictures <N>".into(),
     })
+}
+
+/// A length in any unit of times: light takes a time for it.
+fn length(text: &str) -> Result<Time, String> {
+    let length = text.parse::<Time>();
+    length.map_err(|error| error.to_string().replace("a time", "a length"))
 }
 
 /// What is shown beside the pictures of a film.

@@ -13,8 +13,7 @@ use nullray::render::metadata;
 use nullray::scene::Overrides;
 
 use super::args::DiagramArguments;
-use super::check::Names;
-use super::failure::refused;
+use super::check::{Names, by_ffmpeg, unknown_format};
 use super::names::named_after;
 use super::output::{encoded, extension};
 use super::{builtin, inputs, interrupt, reel, say};
@@ -145,10 +144,10 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
     for output in &outputs {
         let option = format!("-o {}", output.path.display());
         if !KINDS.contains(&output.kind.as_str()) {
-            let what = "the name does not say which kind of drawing to write";
-            let help =
+            let known =
                 "end it in .svg, .pdf, .png, .tex (TikZ), .apng (animated) or .y4m (raw video)";
-            return Err(refused(option, what, help));
+            let help = known.to_string() + &by_ffmpeg(&output.kind);
+            return Err(unknown_format(option, &output.path, "drawing", &help));
         }
         if reel::is_pipe(&output.path) {
             continue;

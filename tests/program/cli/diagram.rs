@@ -179,7 +179,10 @@ fn what_is_asked_for_wrongly_is_refused() {
     let folder = folder(TWINS);
     folder.write("moving.toml", moving());
     let cases: &[(&str, &[&str])] = &[
-        ("d.toml -o a.jpg", &["-o a.jpg", ".svg, .pdf, .png"]),
+        (
+            "d.toml -o a.jpg",
+            &["-o a.jpg", "drawings as .jpg", ".svg, .pdf, .png"],
+        ),
         ("d.toml -o a.svg -o a.svg", &["-o a.svg", "two outputs"]),
         ("d.toml -o nowhere/a.svg", &["nowhere"]),
         ("d.toml --frame there", &["no frame \"there\"", "\"out\""]),

@@ -353,8 +353,12 @@ fn films_that_cannot_be_made_are_refused() {
         ("film scene.toml --flyby 0.5 --light", &["cannot be used"]),
         ("film scene.toml --flyby 1", &["--flyby 1", "below 1"]),
         (
+            "film scene.toml --flyby 0.5 --distance 5",
+            &["--distance", "a length is a text like \"5 m\""],
+        ),
+        (
             "film scene.toml --flyby 0.5 -o a.gif",
-            &["-o a.gif", ".apng", ".y4m"],
+            &["-o a.gif", "films as .gif", ".apng", ".y4m", "ffmpeg -i -"],
         ),
         (
             "film scene.toml --flyby 0.5 -o - -o -",

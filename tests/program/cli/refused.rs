@@ -130,6 +130,27 @@ fn wrong_values_of_options_are_refused() {
 }
 
 #[test]
+fn a_scene_without_a_command_is_told_which_one_it_needs() {
+    let folder = Folder::empty();
+    for (arguments, tip) in [
+        (&["scene.toml"][..], "tip: nullray render scene.toml"),
+        (
+            &["model.GLB", "--beta", "0.5"],
+            "tip: nullray render model.GLB",
+        ),
+        (&["a b.gltf"], "tip: nullray render \"a b.gltf\""),
+    ] {
+        refused(&folder, arguments, &[tip]);
+    }
+    let run = folder.run(&["scene.txt"]);
+    assert!(
+        !run.message().contains("nullray render"),
+        "{}",
+        run.message()
+    );
+}
+
+#[test]
 fn wrong_overrides_are_refused() {
     let folder = Folder::new();
     let cases = [
@@ -178,8 +199,12 @@ fn outputs_that_cannot_be_written_are_refused_before_any_work() {
         "64GiB",
     ];
     let cases: &[(&[&str], &[&str])] = &[
-        (&["-o", "x.jpg"], &["-o x.jpg", ".png", ".exr", ".npz"]),
-        (&["-o", "x"], &["-o x", ".png"]),
+        (
+            &["-o", "x.jpg"],
+            &["-o x.jpg", "pictures as .jpg", ".png", ".exr", ".npz"],
+        ),
+        (&["-o", "x.mp4"], &["-o x.mp4", "ffmpeg -i -"]),
+        (&["-o", "x"], &["-o x", "does not say which kind", ".png"]),
         (
             &["-o", "nodir/x.png"],
             &["-o nodir/x.png", "no directory nodir", "make the directory"],

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::render::aov::group;
 use crate::validate::compare::comparison::Comparison;
 use crate::validate::compare::errors::Errors;
 use crate::validate::compare::matching::Uncompared;
@@ -69,13 +70,32 @@ pub(super) fn notes(comparison: &Comparison) -> Vec<String> {
         .collect()
 }
 
-/// Names of channels, "radiance" for the light as a whole, and their errors.
+/// Names of channels, "radiance" for the light as a whole, and their errors: by group, colours in the order R, G, B, and passes of indices last.
 pub(super) fn rows(comparison: &Comparison) -> Vec<(&str, Option<&Errors>)> {
     let light = comparison.radiance.iter().map(|e| ("radiance", Some(e)));
     let channels = comparison.channels.iter();
-    light
+    let mut rows: Vec<_> = light
         .chain(channels.map(|c| (c.name.as_str(), c.errors.as_ref())))
-        .collect()
+        .collect();
+    let mut groups: Vec<&str> = Vec::new();
+    for (name, _) in &rows {
+        if !groups.contains(&group(name)) {
+            groups.push(group(name));
+        }
+    }
+    // Stable: other channels of a group stay in the order of the file.
+    rows.sort_by_key(|(name, _)| {
+        let colour = match name.strip_prefix(group(name)) {
+            Some("") => 0,
+            Some(".R") => 1,
+            Some(".G") => 2,
+            Some(".B") => 3,
+            _ => 4,
+        };
+        let place = groups.iter().position(|known| *known == group(name));
+        (group(name).starts_with("Index"), place, colour)
+    });
+    rows
 }
 
 /// The results for surfaces: labels and text.

@@ -256,13 +256,22 @@ fn samples(cube: &Cube) -> Vec<f32> {
 fn energy_that_is_cut_at_the_window_s_ends_is_said() {
     let cube = recording();
     let [h, w, t, c] = cube.shape;
-    for (bins, end) in [(0..30, "last bin is"), (30..t, "first bin is")] {
+    let ends = [
+        (0..30, "last bin is still lit", "at the end of the data"),
+        (
+            30..t,
+            "first bin is already lit",
+            "at the start of the data",
+        ),
+    ];
+    for (bins, lit, end) in ends {
         let part = samples(&cube);
         let part = part.chunks(t * c);
         let part = part.flat_map(|line| line[bins.start * c..bins.end * c].to_vec());
         let said = with_cube([h, w, bins.len(), c], part.collect(), "").unwrap();
         let said = said.warnings.join("\n");
-        assert!(said.contains("cut off") && said.contains(end), "{said}");
+        assert!(said.contains("cut off") && said.contains(lit), "{said}");
+        assert!(said.contains(end), "{said}");
     }
 }
 

@@ -369,15 +369,15 @@ fn ends(per_bin: &[f64]) -> Option<String> {
         return None;
     }
     let cut = |part: f64| part > TOLERATED * brightest;
-    let end = match (cut(first), cut(last)) {
-        (true, true) => "first and the last bin are",
-        (true, false) => "first bin is",
-        (false, true) => "last bin is",
+    let (bins, end) = match (cut(first), cut(last)) {
+        (true, true) => ("first and the last bin are", "both ends"),
+        (true, false) => ("first bin is already", "the start"),
+        (false, true) => ("last bin is still", "the end"),
         (false, false) => return None,
     };
     let bright = percent(first.max(last) / brightest);
     Some(format!(
-        "the {end} still lit ({bright} of the brightest): light is cut off at the end of the data"
+        "the {bins} lit ({bright} of the brightest): light is cut off at {end} of the data"
     ))
 }
 

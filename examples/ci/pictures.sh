@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A step of continuous integration that fails when a picture drifts from its reference.
+# A CI check that fails when a picture drifts from its reference.
 #
 #   pictures.sh REFERENCES CANDIDATES [OPTIONS OF nullray compare]
 #
@@ -44,5 +44,6 @@ for reference in "$references"/*.exr "$references"/*.npz "$references"/*.npy "$r
     fi
   fi
 done
-echo "$compared pictures compared, $failed failed"
+[ "$compared" -eq 1 ] && noun=picture || noun=pictures
+echo "$compared $noun compared, $failed failed"
 [ "$compared" -gt 0 ] && [ "$failed" -eq 0 ]

@@ -137,7 +137,7 @@ impl Times {
 fn check_outputs(arguments: &ConvertArguments) -> Result<()> {
     let maps = arguments.unwarp.iter().chain(&arguments.warp);
     let read: Vec<_> = maps.chain([&arguments.input]).collect();
-    let mut names = Names::new(read, "this file is read", "");
+    let mut names = Names::new(read, "this is an input file", "");
     let output = &arguments.output;
     let option = format!("-o {}", output.display());
     // A new folder may be named with a slash at the end; whether it already exists is checked when it is created.
@@ -239,12 +239,14 @@ fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) ->
         bytes((h * w * t * c * size) as u64)
     );
     let merged = converted.merged as f64;
+    let is_as_before = converted.later == 0.0 && converted.merged == 1;
     text += &match (times.start, times.width) {
         (Some(start), Some(width)) => format!(
             "start = \"{} m\", bin_width = \"{} m\"\n",
             start + converted.later * width,
             width * merged
         ),
+        _ if is_as_before => String::new(),
         _ => format!(
             "bin 0 begins {} bins of the input later; a bin is {merged} of its bins wide\n",
             converted.later

@@ -216,7 +216,13 @@ pub fn in_pool<T: Send>(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.into())
         .build();
-    let pool = pool
-        .map_err(|e| Error::invalid("command line", "--threads", e.to_string(), "fewer threads"))?;
+    let pool = pool.map_err(|e| {
+        Error::invalid(
+            "command line",
+            "--threads",
+            e.to_string(),
+            "use fewer threads",
+        )
+    })?;
     pool.install(work)
 }

@@ -22,7 +22,7 @@ Examples:
 
 Exit codes: 0 done; 1 `compare` exceeded a --tolerance or could not judge it, or a check of `selftest` failed; 2 wrong arguments, bad input, \
 or a file that cannot be read or written; 101 a bug in nullray; 130 stopped by Ctrl-C or SIGTERM, with no unfinished file left \
-but those from which the same command resumes.
+except those needed to resume.
 
 No environment variable changes what is computed; NO_COLOR turns off colours in messages.";
 

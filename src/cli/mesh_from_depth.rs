@@ -39,7 +39,7 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
         ));
     }
     let option = format!("-o {}", output.display());
-    Names::new([&arguments.input], "this file is read", "").check(&option, &output)?;
+    Names::new([&arguments.input], "this is the input file", "").check(&option, &output)?;
     refuse_unread(arguments)?;
     let camera = camera(arguments)?;
     let budget = Budget::new(arguments.memory.bytes());

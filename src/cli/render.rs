@@ -150,7 +150,7 @@ fn check_sequence<'a>(
         check_passes(option, arguments, frames.is_some())?;
     }
     if arguments.exposure.says_same() && frames.is_none() && !shows_panels(arguments, scene) {
-        let what = "there is one picture, whose exposure is its own";
+        let what = "the option has no effect on a single picture";
         return Err(refused("--same-exposure", what, "leave it out"));
     }
     if let Some(path) = &arguments.stats_json {

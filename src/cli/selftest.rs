@@ -134,11 +134,12 @@ fn figure(x: f64) -> String {
 }
 
 fn heading() -> String {
+    let threads = rayon::current_num_threads();
     format!(
-        "nullray {}, {:?} kernel, {} threads\n{:<13} {:>16} of {:>7}  {:<29} {:>11}\n",
+        "nullray {}, {:?} kernel, {threads} {}\n{:<13} {:>16} of {:>7}  {:<29} {:>11}\n",
         env!("CARGO_PKG_VERSION"),
         Kernel::best(),
-        rayon::current_num_threads(),
+        if threads == 1 { "thread" } else { "threads" },
         "check",
         "worst",
         "bound",

@@ -505,7 +505,7 @@ fn what_does_not_end_or_goes_through_a_medium_is_refused() {
             &Silent,
         )
         .unwrap_err();
-        assert!(error.to_string().contains("for ever"), "{error}");
+        assert!(error.to_string().contains("never stops shining"), "{error}");
     }
     let text = wall(0.5, 0.0, "medium.index = 1.5", RAMP);
     let error = parse(&text, "flashes", Path::new(""), &Overrides::default()).unwrap_err();

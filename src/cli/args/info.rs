@@ -8,8 +8,8 @@ use super::shared::{Json, MemoryLimit};
 
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// A .gltf, .glb, .npy, .npz, .ti, HDF5, .exr, .png, .hdr, .tif or .toml file, recognised by its content, or a folder of pictures or
-    /// a Zarr array.
+    /// A .gltf, .glb, .npy, .npz, .ti, HDF5 (.h5, .mat), .exr, .png, .hdr, .tif, .csv or .toml file, recognised by its content, or a
+    /// folder of pictures or a Zarr array.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     #[command(flatten)]

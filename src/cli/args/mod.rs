@@ -90,7 +90,7 @@ pub enum Command {
     /// Predict how finely a rasterizer has to tessellate the objects of a scene.
     #[command(after_help = help::TESSELLATION)]
     Tessellation(TessellationArguments),
-    /// Show what a file holds: glTF, npy, npz, ti, HDF5, exr, png, a scene, or a folder of pictures or a Zarr array.
+    /// Show what a file holds: glTF, npy, npz, ti, HDF5 (.h5, .mat), exr, png, hdr, tif, csv, a scene, or a folder of pictures or a Zarr array.
     #[command(after_help = help::INFO)]
     Info(InfoArguments),
     /// Test this build on this machine: numbers against arbitrary precision, meshes for gaps that rays slip through.

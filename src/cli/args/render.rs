@@ -80,8 +80,8 @@ pub struct RenderArguments {
     pub model: ModelArguments,
     #[command(flatten)]
     pub flash: FlashArguments,
-    /// Columns and rows of texels for the baked light of --flash, for the model and for the floor. Default: 192x192, or as
-    /// many more as an atlas of the model needs.
+    /// Columns and rows of texels for the baked light of --flash, for the model and for the floor. Default: 192x192, more
+    /// if the model's atlas needs them.
     #[arg(long, value_name = "WxH", requires = "flash", conflicts_with_all = ["flyby", "time"], value_parser = values::size, allow_hyphen_values = true, help_heading = "Flashes of light on models (.glb, .gltf)")]
     pub texels: Option<[u32; 2]>,
     #[command(flatten)]

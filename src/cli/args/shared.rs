@@ -257,8 +257,8 @@ impl LineArguments {
 #[derive(Debug, Args)]
 pub struct ExposureArgument {
     /// Use one exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile over small
-    /// previews, of all panels, or of the middle third of frames, films and pages. The default for these; parts of a series
-    /// that are rendered apart need --white.
+    /// previews, of all panels, or of the middle third of frames, films and pages. The default for frames, pages and films
+    /// (except films of --speeds), not for panels; parts of a series that are rendered apart need --white.
     #[arg(long)]
     same_exposure: bool,
     /// Give each picture its own exposure. The default for panels, and for films of --speeds.

@@ -92,7 +92,7 @@ fn read(path: &Path, wanted: Wanted) -> Result<Cube> {
 fn refuse_transfer(path: &Path, wanted: Wanted) -> Result<()> {
     match wanted.transfer {
         Some(Transfer::Srgb) => {
-            let what = "an array holds radiance as it is, and no codes of pictures";
+            let what = "an array already holds radiance; `transfer` applies only to pictures";
             Err(Error::invalid(path, "", what, "leave out `transfer`"))
         }
         Some(Transfer::Linear) | None => Ok(()),
@@ -159,7 +159,7 @@ fn told_apart(reader: &mut dyn ReadSeek, file: &Path) -> Result<&'static CubeFor
         all.extend(by_path.map(|told| told.called.to_string()));
         let last = all.pop().unwrap_or_default();
         let help = format!("cubes are read from {} and {last}", all.join(", "));
-        let what = "this file is of no format of cubes, by its first bytes and its name";
+        let what = "this file is not in a supported cube format, by its first bytes and its name";
         Error::unsupported(file, "", what, help)
     })
 }

@@ -70,10 +70,12 @@ impl Draft {
 const MOST_NAMED: usize = 20;
 
 /// The warning about a file's lights.
-pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] tables, and not those of the file, which light it without a scene";
+pub(crate) const LIGHTS_UNREAD: &str =
+    "a scene uses its own [[light]] tables; the file's lights apply only without a scene";
 
 /// The warning about a file's cameras.
-pub(crate) const CAMERAS_UNREAD: &str = "without a scene nothing is seen through the cameras of the file; [camera] of a scene takes one by gltf and node";
+pub(crate) const CAMERAS_UNREAD: &str =
+    "the file's cameras are ignored without a scene; name one by gltf and node in [camera]";
 
 /// The warning about animations that move no mesh.
 pub(crate) const ANIMATIONS_UNREAD: &str =

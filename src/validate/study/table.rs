@@ -150,9 +150,10 @@ fn sentence(verdict: &Verdict, threads: usize) -> String {
     let trace = verdict.trace.map_or("not measured".into(), ms);
     let raster = match (&verdict.raster, verdict.raster_over_trace) {
         (Some((raster, time)), Some([ratio, low, high])) => format!(
-            "{raster} {}, {ratio:.2} times that (quartiles of {} runs {low:.2} to {high:.2})",
+            "{raster} {}, {ratio:.2} times that (quartiles of {} {}: {low:.2} to {high:.2})",
             ms(*time),
-            verdict.runs
+            verdict.runs,
+            if verdict.runs == 1 { "run" } else { "runs" },
         ),
         (Some((raster, time)), None) => format!("{raster} {}", ms(*time)),
         _ => "none of the measured rasterizers".into(),

@@ -100,7 +100,7 @@ fn scenes_that_cannot_be_baked_are_refused_with_a_message() {
         ),
         (
             format!("{plane}[[light]]\ntype = \"area\"\nobject = \"floor\"\n"),
-            "for ever",
+            "never stops shining",
         ),
     ];
     for (scene, words) in cases {

@@ -292,7 +292,7 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
     refused(
         &folder,
         &["convert", "large.npy", "-o", "large.npy"],
-        &["is read"],
+        &["this is an input file"],
     );
     // What is no cube is not called a broken one.
     for name in ["scene.toml", "unnamed"] {
@@ -300,7 +300,7 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
         refused(
             &folder,
             &["convert", name, "-o", "a.npy"],
-            &[name, "no format of cubes", ".npz", "Zarr"],
+            &[name, "not in a supported cube format", ".npz", "Zarr"],
         );
         std::fs::remove_file(folder.path(name)).unwrap();
     }
@@ -332,7 +332,7 @@ fn what_has_no_effect_on_a_conversion_is_refused() {
     for (options, said) in [
         (
             &["-o", "a.npy", "--transfer", "srgb"][..],
-            "no codes of pictures",
+            "applies only to pictures",
         ),
         (&["-o", "a.npy", "--medium-index", "3"], "--warp"),
         (&["-o", "a", "--to-axes", "T H W C"], "frames"),

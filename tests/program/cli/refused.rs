@@ -107,7 +107,7 @@ fn wrong_values_of_options_are_refused() {
         ),
         (
             &["-o", "a.png", "--same-exposure"],
-            &["--same-exposure", "one picture"],
+            &["--same-exposure", "a single picture"],
         ),
         (&["--isochrone-step", "1 m"], &["--isochrones"]),
         (

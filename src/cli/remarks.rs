@@ -115,7 +115,8 @@ pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
 /// The range of W = λ′/λ at which some part of the spectra of colours, from 360 to 830 nm, is visible.
 fn seen_ratios(scene: &Scene) -> [f64; 2] {
     let seen = seen_as_emitted(scene);
-    let across = 830.0 / 360.0;
+    let [first, last] = nullray::colour::OBSERVED_NM;
+    let across = last / first;
     [seen / across, seen * across]
 }
 

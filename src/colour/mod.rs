@@ -19,7 +19,7 @@ mod table;
 pub use blackbodies::blackbody_colour;
 pub use companions::{CompanionShift, INFRARED, ULTRAVIOLET};
 pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
-pub use observer::colour_matching;
+pub use observer::{OBSERVED_NM, colour_matching};
 pub use planck::planck;
 pub use rgb_basis::Continuation;
 pub use sampled::Wavelengths;

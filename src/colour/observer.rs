@@ -14,6 +14,9 @@ pub(super) const FIRST: f64 = 360.0;
 /// The last.
 pub(super) const LAST: f64 = 830.0;
 
+/// The first and the last wavelength that the observer sees, nanometres: colours stand for spectra between them.
+pub const OBSERVED_NM: [f64; 2] = [FIRST, LAST];
+
 /// Lines `wavelength,x,y,z`.
 static ROWS: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| TABLE.lines().filter_map(row).collect());
 

@@ -74,16 +74,25 @@ impl Preset {
     /// to four triangles save 16 to 20 bytes per triangle, out of 182 to 188, and cost single rays up to a tenth of their speed; packets
     /// use the leaves of the wide tree.
     fn effort(self) -> Effort {
-        let (radius, narrow, reinserted, pages) = match self {
-            Preset::Quick => (2, 2, 0.02, PageSize::Usual),
-            Preset::Balanced => (14, 3, 0.1, PageSize::Large),
-            Preset::Thorough => (32, 2, 0.5, PageSize::Large),
-        };
-        Effort {
-            radius,
-            narrow,
-            reinserted,
-            pages,
+        match self {
+            Preset::Quick => Effort {
+                radius: 2,
+                narrow: 2,
+                reinserted: 0.02,
+                pages: PageSize::Usual,
+            },
+            Preset::Balanced => Effort {
+                radius: 14,
+                narrow: 3,
+                reinserted: 0.1,
+                pages: PageSize::Large,
+            },
+            Preset::Thorough => Effort {
+                radius: 32,
+                narrow: 2,
+                reinserted: 0.5,
+                pages: PageSize::Large,
+            },
         }
     }
 }
@@ -235,9 +244,9 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: 
         reinserted,
         ..
     } = preset.effort();
-    // Among nearly equal boxes, reinsertion searches most of the tree for each node and gains nothing.
     let mut tree = cluster(leaves, radius, narrow);
     let parents = tree.parents();
+    // Among nearly equal boxes, reinsertion searches most of the tree for each node and gains nothing.
     if is_searchable(&tree, &parents, ids.len()) {
         reinsert(&mut tree, parents, reinserted);
     }

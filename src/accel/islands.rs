@@ -96,7 +96,7 @@ pub(super) fn islands(triangles: &[[DVec3; 3]], ids: Vec<u32>) -> Vec<Island> {
                 // Small enough for its triangles to be large in its own tree; examine it again.
                 pending.push(part);
             } else if let Some(plane) = widest_gap(triangles, &part) {
-                let is_below = |id: &u32| plane.is_above(&triangles[*id as usize]);
+                let is_below = |id: &u32| plane.has_below(&triangles[*id as usize]);
                 let (below, above) = part.ids.into_iter().partition(is_below);
                 parts.extend([below, above].into_iter().filter_map(island));
             } else {
@@ -117,7 +117,8 @@ struct Plane {
 }
 
 impl Plane {
-    fn is_above(&self, corners: &[DVec3; 3]) -> bool {
+    /// Whether a triangle is below it.
+    fn has_below(&self, corners: &[DVec3; 3]) -> bool {
         // No triangle reaches into the gap, so any of its corners tells the side.
         corners[0][self.axis] < self.at
     }

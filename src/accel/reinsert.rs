@@ -27,7 +27,7 @@ use super::node::NodeRef;
 /// The number of passes, over decreasing fractions of the nodes: 1, 1/3, 1/5 … of the given one.
 const PASSES: usize = 16;
 
-/// Searches better places for the fraction `part` of the nodes of `tree` with the largest boxes, and for fewer in later passes.
+/// Searches for better places for the fraction `part` of the nodes of `tree` with the largest boxes, and for fewer in later passes.
 pub(super) fn reinsert(tree: &mut BoxTree, parents: Vec<u32>, part: f32) {
     if tree.nodes.len() < 4 || part <= 0.0 {
         return;

@@ -224,7 +224,7 @@ impl Outputs {
         if !self.half {
             return beyond_single(film);
         }
-        const GREATEST: f64 = 65504.0;
+        const GREATEST: f64 = half::f16::MAX.to_f64_const();
         // Values up to half of the smallest number above 0, 2⁻²⁴, round to 0.
         const LEAST: f64 = 1.0 / (1u64 << 25) as f64;
         let of = |is_beyond: fn(f64) -> bool| {

@@ -86,7 +86,7 @@ fn charts(triangles: &[[DVec3; 3]]) -> Vec<Chart> {
 
 /// The same, and how often a triangle was visited from a neighbour.
 fn counted_charts(triangles: &[[DVec3; 3]]) -> (Vec<Chart>, usize) {
-    let mut looks = 0;
+    let mut visits = 0;
     let normals: Vec<_> = triangles.iter().map(|t| normal(*t)).collect();
     let neighbours = Neighbours::of(triangles);
     let mut taken: Vec<bool> = normals.iter().map(Option::is_none).collect();
@@ -105,7 +105,7 @@ fn counted_charts(triangles: &[[DVec3; 3]]) -> (Vec<Chart>, usize) {
         let mut given_back = Vec::new();
         while next < members.len() {
             let beside = neighbours.of_triangle(members[next]);
-            looks += beside.len();
+            visits += beside.len();
             for &other in beside {
                 let along = normals[other as usize].map_or(0.0, |n| n.dot(axis));
                 if !taken[other as usize] && along >= STEEPEST {
@@ -136,7 +136,7 @@ fn counted_charts(triangles: &[[DVec3; 3]]) -> (Vec<Chart>, usize) {
         }
         charts.push(Chart::laid(members, flat));
     }
-    (charts, looks)
+    (charts, visits)
 }
 
 /// Which triangles share an edge, that is, edges with the same end points.
@@ -495,11 +495,11 @@ mod tests {
         let copies = 2000;
         let doubled: Vec<_> = (0..copies).flat_map(|_| square.clone()).collect();
         for surface in [doubled, vec![square[0]; copies]] {
-            let (charts, looks) = counted_charts(&surface);
+            let (charts, visits) = counted_charts(&surface);
             assert_eq!(charts.len(), copies);
             // Each is tested against the few that are neighbours at that time; if each chart tried all, there would be as many tests as
             // copies.
-            assert!(looks < 10 * surface.len(), "{looks}");
+            assert!(visits < 10 * surface.len(), "{visits}");
         }
     }
 

@@ -254,9 +254,9 @@ impl RadianceSink for SampleSums<'_> {
         self.film.add_blind(self.strip.pixel(ray));
     }
 
-    fn add_held(&mut self, rays: &[u32]) {
+    fn add_known(&mut self, rays: &[u32]) {
         self.take_pixels(rays);
-        self.film.add_held(self.pixels);
+        self.film.add_known(self.pixels);
     }
 
     fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
@@ -264,8 +264,8 @@ impl RadianceSink for SampleSums<'_> {
         self.film.cover(self.pixels, parts);
     }
 
-    fn add_unmet(&mut self, rays: u64) {
-        self.film.add_unmet(rays);
+    fn add_misses(&mut self, rays: u64) {
+        self.film.add_misses(rays);
     }
 }
 
@@ -295,7 +295,7 @@ impl RadianceSink for Blend<'_> {
         self.sums.add_blind(self.parts[ray].0 as usize);
     }
 
-    fn add_held(&mut self, rays: &[u32]) {
+    fn add_known(&mut self, rays: &[u32]) {
         for ray in rays {
             let (pixel, part) = self.pixel(*ray);
             self.sums.film.add_to_pixel(pixel, Coverage::HELD * part);
@@ -313,7 +313,7 @@ impl RadianceSink for Blend<'_> {
     }
 
     /// Samples that show nothing are counted by their first ray.
-    fn add_unmet(&mut self, _: u64) {}
+    fn add_misses(&mut self, _: u64) {}
 }
 
 /// Determines what samples see.
@@ -598,7 +598,7 @@ impl<P> Stage<'_, P> {
         if !rays.parts.is_empty() {
             let firsts = rays.firsts.iter();
             let unmet = firsts.filter(|ray| rays.hits.hit(**ray as usize).is_none());
-            film.add_unmet(unmet.count() as u64);
+            film.add_misses(unmet.count() as u64);
             let mut blend = Blend {
                 parts: &rays.parts,
                 sums: SampleSums::new(strip, sums, pixels, film),

@@ -281,7 +281,7 @@ impl Painter for Even<'_> {
         }
         weigh(self.scaled, ratios, factors);
         let unmet = runs.iter().filter(|run| run.patch == NOTHING);
-        film.add_unmet(unmet.map(|run| u64::from(run.samples)).sum());
+        film.add_misses(unmet.map(|run| u64::from(run.samples)).sum());
         dispatch(AddUp {
             even: self,
             strip: &strip,

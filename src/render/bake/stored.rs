@@ -58,7 +58,7 @@ impl Stored for u16 {
             false => Err(Error::unsupported(
                 &scene.name,
                 "light",
-                "energies beyond 65504 do not fit half precision",
+                format!("energies beyond {} do not fit half precision", f16::MAX),
                 Setting::SinglePrecision,
             )),
         }

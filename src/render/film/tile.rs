@@ -182,7 +182,7 @@ impl TileFilm {
         });
     }
 
-    /// Whether [`TileFilm::add_held`] and [`TileFilm::cover`] record anything by pixel.
+    /// Whether [`TileFilm::add_known`] and [`TileFilm::cover`] record anything by pixel.
     pub(crate) fn has_coverage_channels(&self) -> bool {
         !self.held.is_empty() || !self.missing.is_empty()
     }
@@ -310,7 +310,7 @@ impl TileFilm {
     }
 
     /// Records samples that hit nothing.
-    pub(crate) fn add_unmet(&mut self, samples: u64) {
+    pub(crate) fn add_misses(&mut self, samples: u64) {
         self.unmet += samples;
     }
 
@@ -347,7 +347,7 @@ impl TileFilm {
     }
 
     /// Records `rays` whose radiance is fully known and does not come from data.
-    pub(crate) fn add_held(&mut self, rays: &[u32]) {
+    pub(crate) fn add_known(&mut self, rays: &[u32]) {
         if !self.held.is_empty() {
             for ray in rays {
                 let pixel = self.pixel(*ray as usize);
@@ -368,7 +368,7 @@ impl TileFilm {
         let mut sum = self.coverage;
         for (at, coverage) in parts {
             if has_channels {
-                self.add_held(&rays[begin..at]);
+                self.add_known(&rays[begin..at]);
                 self.add_to_pixel(rays[at] as usize, coverage);
             }
             sum.held += (at - begin) as f64;
@@ -376,7 +376,7 @@ impl TileFilm {
             begin = at + 1;
         }
         if has_channels {
-            self.add_held(&rays[begin..]);
+            self.add_known(&rays[begin..]);
         }
         sum.held += (rays.len() - begin) as f64;
         self.coverage = sum;

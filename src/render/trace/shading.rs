@@ -35,11 +35,11 @@ pub trait RadianceSink {
     /// Records that no light reaches the sensor element of ray `ray`.
     fn add_blind(&mut self, ray: usize);
     /// Records rays whose radiance is fully known and does not come from data.
-    fn add_held(&mut self, rays: &[u32]);
+    fn add_known(&mut self, rays: &[u32]);
     /// Adds how much of the radiance of `rays`, whose surface has data, the data cover: full coverage, except for `parts`.
     fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>);
     /// Records rays that hit nothing.
-    fn add_unmet(&mut self, rays: u64);
+    fn add_misses(&mut self, rays: u64);
 }
 
 /// One ray for each pixel, sample by sample.
@@ -61,16 +61,16 @@ impl RadianceSink for TileFilm {
         TileFilm::add_blind(self, ray);
     }
 
-    fn add_held(&mut self, rays: &[u32]) {
-        TileFilm::add_held(self, rays);
+    fn add_known(&mut self, rays: &[u32]) {
+        TileFilm::add_known(self, rays);
     }
 
     fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
         TileFilm::cover(self, rays, parts);
     }
 
-    fn add_unmet(&mut self, rays: u64) {
-        TileFilm::add_unmet(self, rays);
+    fn add_misses(&mut self, rays: u64) {
+        TileFilm::add_misses(self, rays);
     }
 }
 
@@ -212,8 +212,8 @@ impl Shading {
             Some(origins) => self.sort(traced, background, |ray| origins[ray].weight, sink),
         }
         if has_gaps {
-            sink.add_held(&self.plain);
-            sink.add_held(&self.escaped);
+            sink.add_known(&self.plain);
+            sink.add_known(&self.escaped);
         }
         self.see_sky(traced, background, ratios, sink);
         meter.count(Counter::Hits, self.lit.len() as u64);
@@ -253,7 +253,7 @@ impl Shading {
                 true if radiance.has_data(run.patch.emitter) => {
                     cover(&self.emitted.details, run.members, sink);
                 }
-                true => sink.add_held(run.members),
+                true => sink.add_known(run.members),
                 false => {}
             }
             meter.lap(Stage::Film);
@@ -412,7 +412,7 @@ impl Shading {
         self.begin(u32::MAX, 0, 0);
         self.runs.pop();
         self.merge();
-        sink.add_unmet(unmet);
+        sink.add_misses(unmet);
     }
 
     /// Adds consecutive rays with the same hit, where `patch` was hit last; returns how many hit nothing.

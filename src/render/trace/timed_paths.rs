@@ -125,14 +125,19 @@ struct PathEnd {
 /// Rays that continue from surfaces.
 #[derive(Default)]
 struct Onward {
-    paths: Vec<Drawn>,
+    paths: Vec<OnwardPath>,
     origins: Vec<DVec3>,
     directions: Vec<DVec3>,
     slots: Vec<u32>,
 }
 
-/// A path, how it continues, the throughput after that, and the delay so far.
-type Drawn = (usize, Leaving, [f64; 3], f64);
+/// A path that continues: its index, how it leaves the surface, the throughput after that, and the delay so far.
+struct OnwardPath {
+    path: usize,
+    leaving: Leaving,
+    carried: [f64; 3],
+    delay: f64,
+}
 
 /// The normal of a triangle, and the direction in which a path leaves it.
 struct Leaving {
@@ -159,7 +164,12 @@ impl Onward {
         self.directions.push(drawn.l);
         self.slots.push(vertex.hit.slot);
         let leaving = Leaving { normal, drawn };
-        self.paths.push((path, leaving, carried, vertex.delay));
+        self.paths.push(OnwardPath {
+            path,
+            leaving,
+            carried,
+            delay: vertex.delay,
+        });
     }
 }
 
@@ -170,7 +180,7 @@ struct PathHit {
     hit: Hit,
     from: DVec3,
     d: DVec3,
-    near: f64,
+    index: f64,
     carried: [f64; 3],
     delay: f64,
 }
@@ -440,7 +450,7 @@ impl TimedPaths<'_> {
             hit,
             from,
             d,
-            near: 1.0,
+            index: 1.0,
             carried: [1.0; 3],
             delay: self.light.index * hit.s,
         };
@@ -696,15 +706,21 @@ impl TimedPaths<'_> {
         let bvh = &self.rest.bvh;
         bvh.closest_by(self.method, from, &directions, &mut hits, None, None);
         let met = paths.into_iter().zip(hits).zip(origins);
-        let meetings = met.filter_map(|(((path, leaving, carried, delay), hit), from)| {
+        let meetings = met.filter_map(|((onward, hit), from)| {
             let hit: Hit = hit?;
+            let OnwardPath {
+                path,
+                leaving,
+                carried,
+                delay,
+            } = onward;
             let drawn = &leaving.drawn;
             let path_hit = PathHit {
                 path,
                 hit,
                 from,
                 d: drawn.l,
-                near: drawn.index,
+                index: drawn.index,
                 carried,
                 delay: delay + self.light.index * drawn.index * hit.s,
             };
@@ -757,7 +773,7 @@ impl TimedPaths<'_> {
             hit,
             from,
             d,
-            near,
+            index,
             carried,
             delay,
         } = *path_hit;
@@ -781,7 +797,7 @@ impl TimedPaths<'_> {
             reflection: self
                 .light
                 .base
-                .reflection(finish, place, (normal, -d), near),
+                .reflection(finish, place, (normal, -d), index),
             lamps,
             carried,
             delay,

@@ -76,13 +76,13 @@ pub(super) fn matched<'a>(
 ) -> Result<Matched<'a>> {
     let pair = [reference, candidate];
     // First, whatever makes any comparison meaningless.
-    sizes(pair)?;
+    check_sizes(pair)?;
     options
         .region
         .check(reference.layers.width, reference.layers.height)?;
-    encodings(pair)?;
-    swapped(pair, options)?;
-    whole(pair)?;
+    check_encodings(pair)?;
+    check_order(pair, options)?;
+    check_identities(pair)?;
     let mut notes = metadata(pair)?;
     notes.extend(unread(pair));
     notes.extend(no_hit(pair, options));
@@ -104,7 +104,7 @@ pub(super) fn matched<'a>(
     // The pictures are copied only if samples must be replaced.
     let layers =
         |picture: &'a Picture, chosen: &[&Channel]| finite(picture, chosen, options, &mut notes);
-    let [reference, candidate] = two(pair, &chosen, layers)?;
+    let [reference, candidate] = for_both(pair, &chosen, layers)?;
     Ok(Matched {
         reference,
         candidate,
@@ -115,7 +115,7 @@ pub(super) fn matched<'a>(
     })
 }
 
-fn two<'a, T>(
+fn for_both<'a, T>(
     [r, c]: [&'a Picture; 2],
     chosen: &[Vec<&Channel>; 2],
     mut of: impl FnMut(&'a Picture, &[&Channel]) -> Result<T>,
@@ -132,7 +132,7 @@ fn refuse<T>(
     Err(Error::invalid(&candidate.name, place, what, help))
 }
 
-fn sizes([r, c]: [&Picture; 2]) -> Result<()> {
+fn check_sizes([r, c]: [&Picture; 2]) -> Result<()> {
     let [a, b] = [r, c].map(|p| [p.layers.width, p.layers.height]);
     if a == b {
         return Ok(());
@@ -145,11 +145,11 @@ fn sizes([r, c]: [&Picture; 2]) -> Result<()> {
         c,
         "size",
         what,
-        "pictures of one size: render the candidate at the reference's",
+        "render the candidate at the reference's size",
     )
 }
 
-fn encodings([r, c]: [&Picture; 2]) -> Result<()> {
+fn check_encodings([r, c]: [&Picture; 2]) -> Result<()> {
     if r.encoding == c.encoding {
         return Ok(());
     }
@@ -165,7 +165,7 @@ fn encodings([r, c]: [&Picture; 2]) -> Result<()> {
     refuse(c, "colour space", what, help)
 }
 
-fn swapped([r, c]: [&Picture; 2], options: &CompareOptions) -> Result<()> {
+fn check_order([r, c]: [&Picture; 2], options: &CompareOptions) -> Result<()> {
     let Some(method) = r.approximation() else {
         return Ok(());
     };
@@ -187,7 +187,7 @@ fn swapped([r, c]: [&Picture; 2], options: &CompareOptions) -> Result<()> {
 }
 
 /// Refuses identities that are not integers.
-fn whole(pair: [&Picture; 2]) -> Result<()> {
+fn check_identities(pair: [&Picture; 2]) -> Result<()> {
     for picture in pair {
         let width = picture.layers.width as usize;
         for aov in [Aov::Object, Aov::Primitive] {
@@ -619,8 +619,9 @@ impl Unusable {
         let overflow = self.infinite > 0 && picture.half.contains(&channel.name);
         let what = match overflow {
             true => format!(
-                "{}: the channel is stored in half precision, whose largest number is 65504",
-                self.words()
+                "{}: the channel is stored in half precision, whose largest number is {}",
+                self.words(),
+                half::f16::MAX
             ),
             false => self.words(),
         };

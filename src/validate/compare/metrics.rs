@@ -108,7 +108,7 @@ pub const METRICS: [Metric; 24] = [
     )
     .in_words(wrong_objects),
     picture("coverage", "ratio", Some("coverage"), OBJECTS, |c| {
-        c.surface.as_ref()?.coverage?.part()
+        c.surface.as_ref()?.coverage?.fraction()
     })
     .better_when_large()
     .at_most(1.0)
@@ -333,7 +333,7 @@ fn wrong_objects(comparison: &Comparison) -> Option<String> {
 fn coverage(comparison: &Comparison) -> Option<String> {
     let share = comparison.surface.as_ref()?.coverage?;
     let percent = share
-        .part()
+        .fraction()
         .map_or(NONE.into(), |part| number(100.0 * part));
     Some(format!(
         "the same object at {} of the reference's {} pixels with surfaces ({percent} %)",

@@ -93,7 +93,7 @@ pub struct Share {
 
 impl Share {
     /// As a number from 0 to 1; `None` if the total is 0.
-    pub fn part(&self) -> Option<f64> {
+    pub fn fraction(&self) -> Option<f64> {
         (self.of > 0).then(|| self.pixels as f64 / self.of as f64)
     }
 }

@@ -261,7 +261,7 @@ fn an_empty_distribution_is_none_and_not_0() {
     };
     let found = surface(all(0.0), all(1.0));
     assert_eq!(found.wrong_objects.unwrap().pixels, 16);
-    assert_eq!(found.coverage.unwrap().part(), Some(0.0));
+    assert_eq!(found.coverage.unwrap().fraction(), Some(0.0));
     let geometric = found.geometric.unwrap();
     assert_eq!((geometric.count, geometric.summary), (0, None));
     assert_eq!(found.emission_time.unwrap().bias, None);

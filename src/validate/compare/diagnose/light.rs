@@ -440,6 +440,9 @@ pub(super) fn evidence(tally: &Tally) -> Vec<(&'static str, f64)> {
     ]
 }
 
+/// Another order of channels, beside a factor, may leave at most this fraction of what the factor alone leaves.
+const LEFT_BY_ORDER: f64 = 0.1;
+
 fn colours(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     let orders = [
         ([2, 1, 0], "BGR"),
@@ -453,7 +456,7 @@ fn colours(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
         (factor > DARK).then_some(())?;
         let left = || {
             let left = lit.fit(|_, r| r.map(|v| factor * v)).left;
-            (0.1 * left).min(LEFT_BESIDE_A_FACTOR)
+            (LEFT_BY_ORDER * left).min(LEFT_BESIDE_A_FACTOR)
         };
         best_order(case, lit, &orders, factor, &left)
     })
@@ -607,6 +610,8 @@ const NOTABLE_EXPONENT: f64 = 0.2;
 /// The standard deviation of ln W that is needed, and the relative error up to which W itself is right.
 const SPREAD: f64 = 0.01;
 const W_IS_RIGHT: f64 = 1e-3;
+/// The largest fraction of the pixels at which W itself may be wrong.
+const MOST_WRONG: f64 = 0.1;
 
 fn exponent(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     let [w_r, w_c] = case
@@ -623,7 +628,7 @@ fn exponent(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
         }
     }
     let n = points.len();
-    if n < FEWEST || wrong * 10 > n {
+    if n < FEWEST || wrong as f64 > MOST_WRONG * n as f64 {
         return None;
     }
     // Least squares of the logarithm of light over that of W.

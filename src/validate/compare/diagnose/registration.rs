@@ -51,8 +51,9 @@ const TILES: usize = 8;
 const MOST_OF_TILE: f64 = 0.5;
 /// The fraction of the candidate that the reference must show.
 const OVERLAP: f64 = 0.25;
-/// Pictures are halved while their shorter side has this many pixels, and at least until their total number is at most the second.
+/// Pictures whose shorter side has fewer pixels are not halved any more: the search starts on the first such picture.
 const COARSE: usize = 24;
+/// The largest number of pixels of the finest picture that is searched: larger ones are halved first.
 const FINEST: usize = 500_000;
 /// Scales where the search starts, on the coarsest pictures.
 const STARTS: [f64; 5] = [0.75, 0.87, 1.0, 1.15, 1.33];

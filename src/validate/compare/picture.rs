@@ -390,7 +390,7 @@ fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>, Option<S
     let other = read.into_iter().filter_map(|header| header.name);
     let mut other =
         other.filter(|name| !is_ours(Some(name)) && layers.channel(RADIANCE[0]).is_some());
-    let taken_for_light = other.next();
+    let taken_for_light = other.next().filter(|_| is_alone);
     Ok((layers, unread.collect(), taken_for_light))
 }
 

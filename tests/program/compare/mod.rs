@@ -5,6 +5,7 @@ mod arrays;
 mod browser;
 mod by_light;
 mod false_names;
+mod first_versions;
 mod hidden_bugs;
 mod light_and_sizes;
 mod metrics;

@@ -16,10 +16,12 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::super::known::KnownScene;
+use super::super::picture::Plane;
 use super::displacement::{Aim, IN_PIXEL, NOTABLE_DISPLACEMENT, displaced, displaced_if_promising};
-use super::looks::{FARTHEST_TURN, turned_in_words};
+use super::looks::{self, FARTHEST_TURN, turned_in_words};
 use super::motion;
-use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, channels, film};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, NEAR, Tally, channels, film};
+use crate::render::aov::Aov;
 use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::{Boost, CameraFrame, Displacement, Velocity, World};
 
@@ -145,8 +147,11 @@ fn nearest(
     let found = each.filter_map(|(number, aim)| {
         let (x, changed) = fitted(case, known, &asked, number, aim)?;
         let is_possible = match number {
-            Number::Time | Number::Velocity => true,
-            Number::Turn => x.length().to_degrees() <= FARTHEST_TURN,
+            Number::Time => !times_are_right(case, x.x),
+            Number::Velocity => looks::may_be_of(case, &changed),
+            Number::Turn => {
+                x.length().to_degrees() <= FARTHEST_TURN && looks::may_be_of(case, &changed)
+            }
             Number::Place | Number::Aside => !is_scaled,
         };
         is_possible.then_some(())?;
@@ -158,6 +163,27 @@ fn nearest(
     let least = found.iter().map(|found| found.2.rest()).reduce(f64::min)?;
     let is_as_near = |found: &(Number, DVec3, Tally)| found.2.rest() <= least + AS_NEAR;
     found.into_iter().find(is_as_near)
+}
+
+/// Whether the candidate shows most points that it shows in the right place at the right time, too, which a picture of a time later by
+/// `lead` metres does not.
+fn times_are_right(case: &Case, lead: f64) -> bool {
+    let times = case
+        .pair
+        .map(|picture| Plane::aov(&picture.layers, Aov::EventCt));
+    let ([Some(r), Some(c)], Some(field)) = (times, case.field) else {
+        return false;
+    };
+    let pixels = case.pixels().par_iter();
+    let in_place = pixels.filter(|i| {
+        let off = field.displacement(**i);
+        off.is_some_and(|off| off.length() <= NOTABLE_DISPLACEMENT)
+    });
+    let of_time = in_place.map(|i| (c.at(*i) - r.at(*i)).abs() <= NEAR * lead.abs());
+    let [right, all] = of_time
+        .map(|is_right| [usize::from(is_right), 1])
+        .reduce(|| [0; 2], |[a, b], [c, d]| [a + c, b + d]);
+    all >= FEWEST && right as f64 >= MOST * all as f64
 }
 
 /// Residuals that differ by less, pixels, are equal: points in single precision are seen to 1e-4 pixels.

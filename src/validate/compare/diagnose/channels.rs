@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::super::picture::Plane;
 use super::super::points::place;
-use super::{Case, Diagnosis, Kind, Tally, frames, median, normals, time};
+use super::{Case, Diagnosis, Kind, Tally, frames, median, motion, normals, time};
 use crate::render::aov::Aov;
 use crate::spacetime::SPEED_OF_LIGHT;
 
@@ -118,13 +118,18 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
         found.extend(scaled.or_else(|| axes(&pixels, name, &r, &c)));
     }
     found.extend(scale_of(case, Aov::Distance));
+    // At a shot at ct = 0, light that arrives from the future comes from times of the opposite sign, but from other places, too.
+    let signs = || match motion::of_all(case) {
+        Some(_) => Vec::new(),
+        None => frames::signs(case),
+    };
     // Times that hardly vary look shifted and scaled alike: a shift takes precedence.
     if time::shifted(case).is_none() {
         found.extend(scale_of(case, Aov::EventCt));
         found.extend(scale_of(case, Aov::ObjectEventCt));
-        found.extend(frames::signs(case));
+        found.extend(signs());
     } else {
-        found.extend(frames::signs(case).into_iter().filter(leaves_nothing));
+        found.extend(signs().into_iter().filter(leaves_nothing));
     }
     if found.is_empty() {
         found.extend(frames::frames(case));
@@ -250,6 +255,15 @@ fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) ->
     })
 }
 
+/// Whether look directions have exchanged axes.
+pub(super) fn has_other_axes(case: &Case) -> bool {
+    let [r, c] = case.points.map(|points| points.direction);
+    let found = r
+        .zip(c)
+        .and_then(|(r, c)| axes(case.everywhere(), "direction", &r, &c));
+    found.is_some()
+}
+
 /// Events whose four components are in another order: the time last, or anywhere but first.
 pub(super) fn order_of_events(case: &Case) -> Option<Diagnosis> {
     const ORDERS: [([usize; 4], &str); 3] = [
@@ -341,6 +355,10 @@ const UNITS: [(f64, &str); 9] = [
     (1e12 / SPEED_OF_LIGHT, "in picoseconds"),
     (1e15 / SPEED_OF_LIGHT, "in femtoseconds"),
 ];
+/// Relative differences of the factor between pixels, by samples elsewhere in them: a pixel of a floor at a grazing angle extends over more.
+/// Factors that are no unit may be other functions of the values.
+const SAME_IN_UNITS: f64 = 0.05;
+const SAME_FACTOR: f64 = 0.01;
 /// Factors closer to 1 than this are ignored.
 const NOTABLE_FACTOR: f64 = 0.02;
 
@@ -348,12 +366,14 @@ fn scale(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Opt
     let pixels = case.pixels();
     let ratios = pixels.par_iter();
     let ratios = ratios.map(|&i| place(c, i).length() / place(r, i).length());
-    let factor = median(ratios.filter(|x| x.is_finite()).collect())?;
-    let tally = Tally::of_all(pixels, |i| {
-        let (r, c) = (place(r, i), place(c, i));
-        Some([(c - r).length(), (c - r * factor).length()])
-    });
-    describe_scale(name, factor, &tally)
+    let ratios: Vec<f64> = ratios.filter(|x| x.is_finite()).collect();
+    let tally = |factor: f64| {
+        Tally::of_all(pixels, |i| {
+            let (r, c) = (place(r, i), place(c, i));
+            Some([(c - r).length(), (c - r * factor).length()])
+        })
+    };
+    describe_scale(name, ratios, tally)
 }
 
 fn scale_of(case: &Case, aov: Aov) -> Option<Diagnosis> {
@@ -361,19 +381,35 @@ fn scale_of(case: &Case, aov: Aov) -> Option<Diagnosis> {
     let (r, c) = (r?, c?);
     let pixels = case.pixels();
     let ratios = pixels.par_iter().map(|&i| c.at(i) / r.at(i));
-    let factor = median(ratios.filter(|x| x.is_finite()).collect())?;
-    let tally = Tally::of_all(pixels, |i| {
-        let (r, c) = (r.at(i), c.at(i));
-        Some([(c - r).abs(), (c - r * factor).abs()])
-    });
-    describe_scale(aov.name(), factor, &tally)
+    let ratios: Vec<f64> = ratios.filter(|x| x.is_finite()).collect();
+    let tally = |factor: f64| {
+        Tally::of_all(pixels, |i| {
+            let (r, c) = (r.at(i), c.at(i));
+            Some([(c - r).abs(), (c - r * factor).abs()])
+        })
+    };
+    describe_scale(aov.name(), ratios, tally)
 }
 
-fn describe_scale(name: &'static str, factor: f64, tally: &Tally) -> Option<Diagnosis> {
+/// The diagnosis of values in these ratios to the reference's, if one factor explains them.
+fn describe_scale(
+    name: &'static str,
+    ratios: Vec<f64>,
+    tally: impl Fn(f64) -> Tally,
+) -> Option<Diagnosis> {
+    let factor = median(ratios.clone())?;
     let notable = factor > 0.0 && (factor - 1.0).abs() > NOTABLE_FACTOR;
-    if !notable || !tally.explains(0.0) {
-        return None;
-    }
+    notable.then_some(())?;
+    let tally = tally(factor);
+    tally.explains(0.0).then_some(())?;
+    // Where the factor is small, so is the error that it leaves, whatever the values are: they have to be in this ratio themselves.
+    let near = match unit(factor) {
+        Some(_) => SAME_IN_UNITS,
+        None => SAME_FACTOR,
+    };
+    let is_same = |ratio: &&f64| (*ratio / factor - 1.0).abs() <= near;
+    let same = ratios.iter().filter(is_same).count() as f64;
+    (same >= super::MOST * ratios.len() as f64).then_some(())?;
     let what = match unit(factor) {
         Some(words) => {
             format!("{name} is {words} and should be in metres (of light path, for times)")

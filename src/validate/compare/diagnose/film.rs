@@ -34,6 +34,16 @@ pub(super) fn scaled(case: &Case) -> Option<Diagnosis> {
     scaled_and_rest(case).map(|(found, _)| found)
 }
 
+/// A candidate whose film is mirrored about other than its pixels, and which shows other objects as a result: exchanged axes of points do
+/// not.
+pub(super) fn mirrored(case: &Case) -> Option<Diagnosis> {
+    let [r, c] = &case.points;
+    (r.object.is_some() && c.object.is_some()).then_some(())?;
+    let (same, all) = (case.of_same_object().len(), case.everywhere().len());
+    (same as f64 <= (1.0 - NEAR) * all as f64).then_some(())?;
+    scaled(case).filter(|found| found.kind == Kind::Mirrored)
+}
+
 /// The same, with the rms displacement, in pixels, that this hypothesis leaves.
 pub(super) fn scaled_and_rest(case: &Case) -> Option<(Diagnosis, f64)> {
     let by_points = case.field.and_then(|field| of_field(case, field, false));

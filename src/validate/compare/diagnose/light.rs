@@ -647,7 +647,11 @@ fn exponent(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
     let factor = libm::exp(y0 - slope * x0);
     // With two free parameters, a line fits many data that are not linear.
     let is_plain = is_whole(slope) || (factor - 1.0).abs() <= NOTABLE;
-    (spread >= SPREAD && explains && is_plain).then(|| {
+    let is_linear = || {
+        let off = |[x, y]: &[f64; 2]| [y.abs(), (y - y0 - slope * (x - x0)).abs()];
+        Tally::of(points.par_iter().map(off)).explains(0.0)
+    };
+    (spread >= SPREAD && explains && is_plain && is_linear()).then(|| {
         let diagnosis = describe_exponent(slope, factor, explained, n);
         (diagnosis, 1.0 - explained)
     })

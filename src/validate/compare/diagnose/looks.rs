@@ -13,11 +13,12 @@
 //! c q − q e = 0
 //! ```
 //!
-//! (Horn, JOSA A 4(4), 1987, equivalent to Kabsch's rotation.) Both are linear in four unknowns, and the best fit to all pixels is the
+//! (Horn, JOSA A 4(4), 1987, equivalent to Kabsch's rotation.) If its film has another size, too, the components of e across the axis are
+//! those of the right film times kₓ and k_y: these are fitted in turn with the rotation. Both are linear in four unknowns, and the best fit to all pixels is the
 //! eigenvector of the smallest eigenvalue of a 4 × 4 matrix. If a picture has no directions, those to its events on the past light cone of
 //! the shot are used. Another film may look similar: it is preferred if its residual is smaller.
 
-use glam::{DMat4, DQuat, DVec3, DVec4};
+use glam::{DMat4, DQuat, DVec2, DVec3, DVec4};
 use rayon::prelude::*;
 
 use super::super::known::{KnownScene, unaberrated_without_gamma};
@@ -25,8 +26,9 @@ use super::super::picture::Plane;
 use super::super::points::place;
 use super::displacement::NOTABLE_DISPLACEMENT;
 use super::motion::{camera_velocity, in_words, rounded};
-use super::{Case, Diagnosis, Kind, Tally, film, frames, median};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, Tally, channels, film, frames, median};
 use crate::render::aov::Aov;
+use crate::scene::model::ProjectionKind;
 use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
 
 /// Errors of directions from storage in single precision, radians.
@@ -35,6 +37,9 @@ const DIRECTION_ROUNDING: f64 = 1e-5;
 const NOTABLE: f64 = 1e-4;
 /// The largest rotation of a camera, degrees: larger ones are exchanged axes or mirrored pictures.
 pub(super) const FARTHEST_TURN: f64 = 30.0;
+
+/// The largest rms difference, in pixels, that another camera may leave: samples anywhere in their pixels cause 0.58.
+const LEFT_BY_CAMERA: f64 = 1.0;
 
 /// About the most pixels used.
 const MOST_LOOKS: usize = 1 << 17;
@@ -60,6 +65,131 @@ pub(super) fn camera(case: &Case) -> Option<Diagnosis> {
     aberration(&looks, velocity).or_else(|| fitted(case, &looks, velocity))
 }
 
+/// Look directions that are wrong, and not those of any other camera.
+pub(super) fn unexplained(case: &Case) -> Option<Diagnosis> {
+    case.points
+        .iter()
+        .all(|p| p.direction.is_some())
+        .then_some(())?;
+    let known = case.known?;
+    let velocity = known.velocity_of_looks();
+    let looks = looks(case, velocity);
+    let tally = tally(&looks, |look| Some(look.right));
+    let error = tally.error();
+    // Wrong directions of one object are another matter.
+    let wrong = looks
+        .iter()
+        .filter(|look| (look.is - look.right).length() > NOTABLE);
+    let is_wrong = looks.len() >= FEWEST && wrong.count() as f64 >= MOST * looks.len() as f64;
+    let pixels = error / angle_of_pixel(case, &looks)?;
+    (is_wrong && pixels > LEFT_BY_CAMERA).then(|| {
+        Diagnosis {
+            kind: Kind::ChannelWrong,
+            what: format!(
+                "look directions are wrong: by {:.4} degrees rms, {pixels:.1} pixels; they are those of no other velocity, \
+                 orientation or film of the camera",
+                error.to_degrees()
+            )
+            .into(),
+            evidence: vec![("directions differ from the reference by (rad, rms)", error)],
+        }
+    })
+}
+
+/// Whether a camera may be the candidate's by its look directions: these are the reference's, or those of this camera.
+pub(super) fn may_be_of(case: &Case, changed: &KnownScene) -> bool {
+    let Some(known) = case.known else { return true };
+    if case.points.iter().any(|points| points.direction.is_none()) {
+        return true;
+    }
+    let [width, _] = case.points[0].size();
+    let looks = looks(case, known.velocity_of_looks());
+    let Some(angle) = angle_of_pixel(case, &looks) else {
+        return true;
+    };
+    let left = LEFT_BY_CAMERA * angle;
+    let of_camera = |look: &Look| {
+        let [x, y] = [look.pixel % width, look.pixel / width].map(|n| n as f64 + 0.5);
+        Some(changed.look_along(DVec2::new(x, y))?.unit())
+    };
+    let tally = tally(&looks, of_camera);
+    tally.error() <= left || tally.rest() <= left || are_along_other_axes(case)
+}
+
+/// Whether directions are along other axes than the world's, which say nothing about the camera.
+fn are_along_other_axes(case: &Case) -> bool {
+    frames::direction(case).is_some() || channels::has_other_axes(case)
+}
+
+/// A camera that is turned, with another field of view or aspect ratio.
+fn turned_with_another_film(
+    known: &KnownScene,
+    looks: &[Look],
+    velocity: Velocity,
+) -> Option<(Diagnosis, Tally)> {
+    (known.camera().projection == ProjectionKind::Perspective).then_some(())?;
+    let camera_from_world = Boost::<CameraFrame, World>::new(-velocity);
+    let pair = |look: &Look| {
+        let is = camera_from_world.direction(Direction::new(look.is)?).0;
+        Some([known.view(look.own.unit()), known.view(is.unit())])
+    };
+    let pairs: Vec<[DVec3; 2]> = looks
+        .iter()
+        .step_by(looks.len() / FEW_LOOKS + 1)
+        .filter_map(pair)
+        .collect();
+    // The rotation that fits best with a film of this size, and then the size that fits best with this rotation.
+    let mut film = DVec2::ONE;
+    let mut turn = DQuat::IDENTITY;
+    for _ in 0..TURNS_AND_FILMS {
+        let scaled = |e: DVec3| (e * film.extend(1.0)).normalize();
+        turn = rotation(pairs.iter().map(|[e, c]| [scaled(*e), *c]))?;
+        let (mut above, mut below) = (DVec2::ZERO, DVec2::ZERO);
+        for [e, c] in &pairs {
+            let c = turn.inverse() * *c;
+            let [right, is] = [*e, c].map(|d| d.truncate() / d.z);
+            (above, below) = (above + right * is, below + right * right);
+        }
+        let next = above / below;
+        let is_done = (next - film).abs().max_element() <= DIRECTION_ROUNDING;
+        film = next;
+        if is_done {
+            break;
+        }
+    }
+    let tally = Tally::of(pairs.par_iter().map(|[e, c]| {
+        let hypothesis = turn * (*e * film.extend(1.0)).normalize();
+        [(*c - *e).length(), (*c - hypothesis).length()]
+    }));
+    let degrees = angle(turn).to_degrees();
+    (tally.explains(NOTABLE) && film.min_element() > 0.0 && degrees <= FARTHEST_TURN)
+        .then_some(())?;
+    let [right, up, forward] = known.camera().axes;
+    let axis = turn.xyz().normalize_or_zero();
+    let axis = right * axis.x + up * axis.y - forward * axis.z;
+    let mut evidence = evidence(&tally, ("degrees", degrees));
+    evidence.extend([
+        ("tan(fov/2) across over the reference's", film.x),
+        ("tan(fov/2) down over the reference's", film.y),
+    ]);
+    let found = Diagnosis {
+        kind: Kind::CameraTurned,
+        what: format!(
+            "{}; and its tan(fov/2) is {:.4} times the reference's across and {:.4} times down",
+            turned_in_words(Some(known), axis, degrees),
+            film.x,
+            film.y
+        )
+        .into(),
+        evidence,
+    };
+    Some((found, tally))
+}
+
+/// The most pixels for a rotation with another film, and the most steps of the fit.
+const FEW_LOOKS: usize = 4096;
+const TURNS_AND_FILMS: usize = 200;
+
 /// The look directions of pixels; empty if they are unknown.
 fn looks(case: &Case, velocity: Velocity) -> Vec<Look> {
     let [width, _] = case.points[0].size();
@@ -80,7 +210,7 @@ fn looks(case: &Case, velocity: Velocity) -> Vec<Look> {
     // If the reference has neither, the centres of pixels are known.
     let centre = |i: usize| {
         let [x, y] = [i % width, i / width].map(|n| n as f64 + 0.5);
-        case.known?.look_along(glam::DVec2::new(x, y))
+        case.known?.look_along(DVec2::new(x, y))
     };
     // Pairs of adjacent pixels.
     let pixels = || case.region.pixels(case.points[0].size());
@@ -176,15 +306,33 @@ fn fitted(case: &Case, looks: &[Look], velocity: Velocity) -> Option<Diagnosis> 
     // If channels are along the camera's own axes, positions show that it is not rotated.
     let turned = turned.filter(|_| !places_are_right(case) && frames::direction(case).is_none());
     let both = [moving, turned].into_iter().flatten();
-    let explaining = both.filter(|(_, tally)| tally.explains(NOTABLE));
-    let (found, tally) = explaining.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
-    let rest = tally.rest() / angle_of_pixel(case, looks)?;
-    let by_film = film::scaled_and_rest(case).or_else(|| film::of_directions(case));
-    match by_film {
-        Some((by_film, rest_of_film)) if rest_of_film <= rest => Some(by_film),
-        _ => Some(found),
+    let angle = angle_of_pixel(case, looks)?;
+    let explaining = both
+        .filter(|(_, tally)| tally.explains(NOTABLE))
+        .map(|(found, tally)| (found, tally.rest() / angle))
+        .filter(|(_, rest)| *rest <= LEFT_BY_CAMERA);
+    let of_camera = explaining.min_by(|a, b| a.1.total_cmp(&b.1));
+    // Directions that only another film explains are explained after other mistakes of channels, unless it is also turned.
+    let by_film = || film::scaled_and_rest(case).or_else(|| film::of_directions(case));
+    let found = match (of_camera, by_film()) {
+        (Some((_, rest)), Some((by_film, of_film))) if of_film <= rest => Some((by_film, of_film)),
+        (None, Some((_, of_film))) if of_film <= LEFT_BY_CAMERA => return None,
+        (of_camera, _) => of_camera,
+    };
+    let rest = found.as_ref().map_or(LEFT_BY_CAMERA, |(_, rest)| *rest);
+    if rest > EXACT
+        && let Some(known) = case.known
+        && let Some((both, tally)) = turned_with_another_film(known, looks, velocity)
+        && tally.rest() / angle <= 0.5 * rest
+        && !are_along_other_axes(case)
+    {
+        return Some(both);
     }
+    found.map(|(found, _)| found)
 }
+
+/// The residual, in pixels, of directions in single precision: then nothing is left to explain.
+const EXACT: f64 = 0.05;
 
 /// Whether the candidate shows points where they should be seen.
 fn places_are_right(case: &Case) -> bool {
@@ -237,20 +385,24 @@ fn another_velocity(looks: &[Look]) -> Option<Velocity> {
 /// The best-fitting rotation of the camera, in its frame.
 fn turn(looks: &[Look], velocity: Velocity) -> Option<DQuat> {
     let camera_from_world = Boost::<CameraFrame, World>::new(-velocity);
-    let equations = looks.iter().filter_map(|look| {
-        let e = look.own.unit();
-        let c = camera_from_world
-            .direction(Direction::new(look.is)?)
-            .0
-            .unit();
+    let pairs = looks.iter().filter_map(|look| {
+        let c = camera_from_world.direction(Direction::new(look.is)?).0;
+        Some([look.own.unit(), c.unit()])
+    });
+    rotation(pairs).filter(|q| angle(*q).to_degrees() <= FARTHEST_TURN)
+}
+
+/// The rotation that best turns the first of each pair of unit vectors to the second.
+fn rotation(pairs: impl Iterator<Item = [DVec3; 2]>) -> Option<DQuat> {
+    let equations = pairs.map(|[e, c]| {
         let along = |a: DVec3| [(c + e).cross(a).extend(a.dot(e - c)), DVec4::ZERO];
         let first = [(c - e).extend(0.0), DVec4::ZERO];
-        Some([first, along(DVec3::X), along(DVec3::Y), along(DVec3::Z)])
+        [first, along(DVec3::X), along(DVec3::Y), along(DVec3::Z)]
     });
     let q = solution(equations)?;
     let q = DQuat::from_xyzw(q.y, q.z, q.w, q.x).normalize();
     let q = if q.w < 0.0 { -q } else { q };
-    (q.is_finite() && angle(q).to_degrees() <= FARTHEST_TURN).then_some(q)
+    q.is_finite().then_some(q)
 }
 
 /// The angle of a rotation, from 0 to π, without the cancellation of arccos.

@@ -12,7 +12,7 @@
 //! | channels never written | the candidate's hold one number at every pixel, while the reference's vary (`constant`) |
 //! | identities wrong | the indices of objects (or triangles) count from 1, or are those of other objects |
 //! | aberration reversed, missing, or without γ | look directions, or positions in a known scene, are those for −β, for 0, or for a boost that lacks γ (`looks`) |
-//! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it (`looks`); points of a known scene are where such a camera sees them (`camera`) |
+//! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it, also with another film (`looks`); points of a known scene are where such a camera sees them (`camera`) |
 //! | camera elsewhere | the same for a camera at another place |
 //! | stereo pairs | the eyes are exchanged, or have one picture, or each has a mistake of its own (`stereo`) |
 //! | clipped | light is the reference's up to a bound |
@@ -53,6 +53,8 @@
 //! | one object's channels, or light | if nothing explains the picture, the explanation of one object's pixels (`object`) |
 //! | object elsewhere | by their events, points of an object are not on its surface, although nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate does not |
+//! | surfaces invented | the candidate shows objects where the reference shows nothing |
+//! | look directions wrong | they are those of no other camera and no other axes (`looks`) |
 //! | surfaces clipped | what the candidate lacks is nearer, or farther, than all that it shows (`holes`) |
 //! | object misplaced | most of its points are not where they should be seen, and those of other objects are; nothing else explains it |
 //! | triangle, or object displaced | δ is on one triangle, or one object, only: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
@@ -229,6 +231,8 @@ pub enum Kind {
     SurfacesClipped,
     /// Nothing is shown at places where the reference shows surfaces.
     SurfacesMissing,
+    /// Surfaces are shown where the reference shows none.
+    SurfacesInvented,
     /// An object is larger or smaller than it should be.
     SizeWrong,
     /// One triangle is displaced.
@@ -349,10 +353,20 @@ fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
         }
         // What is missing casts no shadow.
         found.retain(|found| gone.is_empty() || found.kind != Kind::ShadowsMissing);
-        found.extend(gone.into_iter().map(|(_, found)| found));
+        let missing: Vec<usize> = gone.iter().map(|(object, _)| *object).collect();
+        match motion::advanced_out_of_view(case, &found, &missing) {
+            Some(advanced) => found = vec![advanced],
+            None => found.extend(gone.into_iter().map(|(_, found)| found)),
+        }
     }
     if found.is_empty() {
         found.extend(holes::found(case));
+    }
+    if found.is_empty() {
+        found.extend(part::invented(case));
+    }
+    if found.is_empty() {
+        found.extend(looks::unexplained(case));
     }
     if found.is_empty() {
         found.extend(object::single(case));
@@ -365,12 +379,18 @@ fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
 
 /// Explanations of the errors of pixels.
 fn causes(case: &Case) -> Vec<Diagnosis> {
-    let causes: [fn(&Case) -> Vec<Diagnosis>; 15] = [
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 17] = [
         |case| channels::order_of_events(case).into_iter().collect(),
+        // Before cameras, whose places of points depend on indices. Mirrored pictures may show other objects, too.
+        |case| {
+            let renamed = channels::identities(case).filter(|_| turns::turned(case).is_none());
+            renamed.into_iter().collect()
+        },
         |case| looks::camera(case).into_iter().collect(),
         |case| camera::another(case).into_iter().collect(),
         |case| turns::turned(case).into_iter().collect(),
         |case| channels::identities(case).into_iter().collect(),
+        |case| film::mirrored(case).into_iter().collect(),
         channels::coordinates,
         |case| time::rounded(case).into_iter().collect(),
         |case| ratios::forms(case).into_iter().collect(),

@@ -569,6 +569,35 @@ pub(super) fn out_of_view(case: &Case, object: usize) -> Vec<&'static str> {
         .collect()
 }
 
+/// Light that arrives from the future, where it puts all objects out of view that show by their places that it does: of those that rest,
+/// only the times have the opposite sign, if the shot is at ct = 0.
+pub(super) fn advanced_out_of_view(
+    case: &Case,
+    found: &[Diagnosis],
+    gone: &[usize],
+) -> Option<Diagnosis> {
+    let sign = found.first()?;
+    let are_signs = found.iter().all(|found| found.kind == Kind::SignOpposite);
+    (are_signs && !gone.is_empty()).then_some(())?;
+    let advanced = case.known?.changed(Change::Advanced)?;
+    let is_out = |object: &usize| is_out_of_view(case, &advanced, *object);
+    gone.iter().all(is_out).then(|| {
+        let objects: Vec<String> = gone.iter().map(usize::to_string).collect();
+        let [objects, are] = match gone.len() {
+            1 => [format!("object {}", objects[0]), "is".into()],
+            _ => [format!("objects {}", objects.join(", ")), "are".into()],
+        };
+        Diagnosis {
+            kind: Kind::RetardationReversed,
+            what: format!(
+                "{ADVANCED}: times are after the shot, and {objects} {are} out of view as a result"
+            )
+            .into(),
+            evidence: sign.evidence.clone(),
+        }
+    })
+}
+
 /// Objects that are out of view because their velocity is exchanged with that of an object in view.
 pub(super) fn gone_by_exchange(case: &Case) -> Vec<usize> {
     let Some(known) = case.known else {

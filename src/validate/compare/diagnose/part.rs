@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::super::geometry::Field;
 use super::super::surface::FEWEST_OF_OBJECT;
+use super::unlike::around;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, camera, median, motion};
 
 /// The smallest notable displacement, pixels.
@@ -31,6 +32,47 @@ pub(super) fn displaced(case: &Case) -> Option<Diagnosis> {
         return by_points;
     }
     by_points.or_else(|| localised(case, &Field::on_triangles(&case.points)?))
+}
+
+/// The smallest fraction of the picture where surfaces are shown that the reference does not show, and the fraction of its empty pixels
+/// from which their index is taken for a mark of no hit.
+const NOTABLE_PART: f64 = 0.01;
+const MARKS: f64 = 0.95;
+
+/// Surfaces where the reference shows none, but for rims, where samples elsewhere may hit what is beside.
+pub(super) fn invented(case: &Case) -> Option<Diagnosis> {
+    let [r, c] = &case.points;
+    let (_, _) = (r.object?, c.object?);
+    let size = r.size();
+    let is_empty = |i: usize| r.object_at(i).is_some_and(|id| id < 0.0);
+    let all = case.everywhere().iter().copied();
+    let empty: Vec<usize> = all
+        .filter(|i| is_empty(*i) && around(size, *i).all(is_empty))
+        .collect();
+    let mut counts = BTreeMap::<i64, usize>::new();
+    for id in empty.iter().filter_map(|i| c.object_at(*i)) {
+        if id >= 0.0 {
+            *counts.entry(id as i64).or_default() += 1;
+        }
+    }
+    let count: usize = counts.values().sum();
+    let is_notable = count >= FEWEST && count as f64 >= NOTABLE_PART * (size[0] * size[1]) as f64;
+    is_notable.then_some(())?;
+    let (object, most) = counts.into_iter().max_by_key(|(_, n)| *n)?;
+    let what = match most as f64 >= MARKS * empty.len() as f64 {
+        true => format!(
+            "object {object} is shown wherever the reference shows nothing: if {object} marks no hit, write −1 instead, as {object} is an object"
+        ),
+        false => format!(
+            "surfaces are shown at {:.1} % of the pixels at which the reference shows nothing, most of them of object {object}",
+            100.0 * count as f64 / empty.len() as f64
+        ),
+    };
+    Some(Diagnosis {
+        kind: Kind::SurfacesInvented,
+        what: what.into(),
+        evidence: vec![("pixels", count as f64)],
+    })
 }
 
 /// An upper bound on the displacement, in pixels, by samples elsewhere in pixels.

@@ -12,9 +12,10 @@
 //! 1·10⁻⁴.
 //!
 //! A pixel of the angle a sees a/W of the world's sky: ahead, where W is small, the sky is crowded, so pictures are looked up in a copy
-//! with texels of that width (`panorama`), and stars are widened to at least about that (`stars`).
+//! with texels of that width (`panorama`), and stars and the sun are widened to at least about that (`stars`, `sun`).
 
 mod boosted;
+mod cap;
 mod catalogue;
 mod even;
 mod faces;
@@ -24,6 +25,7 @@ mod panorama;
 mod rays;
 mod star;
 mod stars;
+mod sun;
 mod tally;
 
 use glam::DVec3;
@@ -34,6 +36,7 @@ pub use grid::LightGrid;
 pub use panorama::Panorama;
 pub use star::{Beaming, Motion, Motions, Star};
 pub use stars::StarMap;
+use sun::Sun;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 use crate::colour::{ColourTable, Line, Spectrum, Wavelengths};
@@ -43,7 +46,7 @@ use crate::scene::model;
 #[derive(Debug)]
 pub struct Sky {
     background: Background,
-    sun: Option<Disc>,
+    sun: Option<Sun>,
     stars: Option<StarMap>,
     /// Whether stars are seen as blackbodies; otherwise by the channels of their colour at rest.
     thermal_stars: bool,
@@ -66,25 +69,19 @@ struct Gradient {
     ground: [f64; 3],
 }
 
-/// The sun: the directions whose cosine to its direction is above a bound.
-#[derive(Debug)]
-struct Disc {
-    direction: DVec3,
-    cosine: f64,
-    radiance: [f64; 3],
-}
-
 /// The width of pixels in the world: these angles for a camera at rest, and 1/W times these for a moving one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PixelAngles<'a> {
     /// Angle of one sample's share of a pixel.
     pub angle: f64,
-    /// Angle of a whole pixel where it is widest: the least width of stars.
+    /// Angle of a whole pixel where it is widest: the least width of stars and of the sun.
     pub pixel: f64,
     /// W by direction.
     pub ratios: &'a [f64],
     /// How stars are seen.
     pub beaming: Beaming,
+    /// p − 2, where radiance by channel is scaled with W⁻ᵖ.
+    pub power: i32,
     /// The observer's motion by direction, if it is not always that of `beaming`.
     pub motions: &'a [Motion],
 }
@@ -137,11 +134,7 @@ impl Sky {
         let radius = sky.stars.as_ref().map_or(0.0, |stars| stars.radius);
         Sky {
             background,
-            sun: sky.sun.map(|sun| Disc {
-                direction: sun.direction,
-                cosine: libm::cos(sun.radius),
-                radiance: sun.radiance(),
-            }),
+            sun: sky.sun.as_ref().map(Sun::new),
             stars: (!stars.is_empty()).then(|| StarMap::new(stars, radius)),
             thermal_stars,
         }
@@ -178,9 +171,9 @@ impl Sky {
         !is_plain || self.stars.is_some()
     }
 
-    /// Whether it has stars.
-    pub(crate) fn has_stars(&self) -> bool {
-        self.stars.is_some()
+    /// Whether it has discs that are widened to about a pixel, by the motion of the observer.
+    pub(crate) fn has_discs(&self) -> bool {
+        self.stars.is_some() || self.sun.is_some()
     }
 
     /// Whether [`Sky::spectral`] adds to the radiance.
@@ -264,12 +257,8 @@ impl Sky {
         if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
             radiance = sum(radiance, stars.radiance(d, Star::channels));
         }
-        if let Some(sun) = self
-            .sun
-            .as_ref()
-            .filter(|sun| d.dot(sun.direction) > sun.cosine)
-        {
-            radiance = sum(radiance, sun.radiance);
+        if let Some(of_sun) = self.sun.as_ref().and_then(|sun| sun.seen(d)) {
+            radiance = sum(radiance, of_sun);
         }
         radiance
     }
@@ -302,11 +291,9 @@ impl Sky {
             });
         }
         if let Some(sun) = &self.sun {
-            for (k, radiance) in radiance.iter_mut().enumerate() {
-                if look.get(k).dot(sun.direction) > sun.cosine {
-                    *radiance = sum(*radiance, sun.radiance);
-                }
-            }
+            sun.each_seen(look, angles, |k, of_sun| {
+                radiance[k] = sum(radiance[k], of_sun);
+            });
         }
     }
 }

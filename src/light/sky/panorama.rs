@@ -640,6 +640,7 @@ mod tests {
             pixel: 0.7,
             ratios: &ratios,
             beaming: Beaming::REST,
+            power: 0,
             motions: &[],
         };
         // Rays in a row, and in another order.

@@ -51,20 +51,15 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use super::PixelAngles;
+use super::cap::{Cap, LESS, REACH, WIDEST, reach};
 use super::faces::{Grid, Index, Rectangle};
 use super::levels::{CHORD, DIAGONAL, FARTHEST, Level, Part, Place};
 use super::rays::{Bounds, FEW, Rays};
-use super::star::{Beaming, Motion, Star, raised};
+use super::star::{Beaming, Star, raised};
 use super::tally::{Candidate, Sight, Tally};
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 
-/// sin R of a point divided by the width of a pixel: the zero of the fundamental.
-const REACH: f64 = 1.4;
-/// The decrease of sin² R per sin² ρ, such that R = ρ at 1.4/√1.36 = 1.2 pixels.
-const LESS: f64 = 0.36;
-/// The largest sin R of a level, 2 to the power of −1, and of a disc in the camera's frame.
-const WIDEST: f64 = 0.5;
-/// Its power of 2.
+/// The power of 2 of the largest sin R of a level.
 const WIDEST_POWER: i32 = -1;
 /// Cells per star, so that most are empty, and the maximum along an edge of a face; the same for the finest level of widened discs. And the
 /// minimum.
@@ -106,59 +101,6 @@ struct Seeing {
     /// What the rays that look together may see: families of a level, or discs.
     candidates: Vec<Candidate>,
     discs: Vec<u32>,
-}
-
-/// What one ray sees in the camera's frame: the cap of the world that the head of this file derives, s·axis > bound.
-struct Cap {
-    d: DVec3,
-    /// W_d.
-    ratio: f64,
-    /// sin R.
-    sine: f64,
-    axis: DVec3,
-    bound: f64,
-    motion: Motion,
-}
-
-impl Cap {
-    /// For the direction `d`, seen at the ratio `w`, and discs of this `sine` in the world.
-    fn new(d: DVec3, w: f64, sine: f64, motion: Motion) -> Cap {
-        let ratio = 1.0 / motion.inverse_ratio(d);
-        // As for many rays together, in `levels`.
-        let (motion, ratio) = match w > 0.5 * ratio && w < 2.0 * ratio {
-            true => (motion, ratio),
-            false => (Motion::REST, 1.0),
-        };
-        let sine = (sine * ratio).min(WIDEST);
-        let square = sine * sine;
-        let chord = 2.0 * square / (1.0 + (1.0 - square).sqrt());
-        Cap {
-            d,
-            ratio,
-            sine,
-            axis: 2.0 * ratio * d + motion.n * (motion.sinh * chord),
-            bound: 2.0 * ratio - chord * motion.gamma,
-            motion,
-        }
-    }
-
-    /// L/E of a star, and W_d/W_s.
-    fn density(&self, star: DVec3) -> [f64; 2] {
-        let x = self.ratio * self.motion.inverse_ratio(star);
-        let chord = (star - self.d).length_squared() * (self.ratio * self.ratio / x);
-        let square = self.sine * self.sine;
-        let part = 1.0 - chord * (1.0 - 0.25 * chord) / square;
-        let world = self.ratio * self.ratio / (std::f64::consts::PI * square);
-        let is_seen = chord < 2.0 && part > 0.0;
-        [
-            if is_seen {
-                5.0 * world * raised(part, 4)
-            } else {
-                0.0
-            },
-            x,
-        ]
-    }
 }
 
 /// Which rays look at a disc: 1 if so, else 0.
@@ -299,7 +241,7 @@ impl StarMap {
         let bounds = of_blocks.into_iter().fold(Bounds::NONE, Bounds::with);
         let ([x, y, z, least], [far_x, far_y, far_z, greatest]) = (bounds.low, bounds.high);
         // Discs are widest where W is smallest.
-        let reaches = [least, greatest].map(|w| self.reach(rays.pixel / w));
+        let reaches = [least, greatest].map(|w| reach(self.sine, rays.pixel / w));
         let levels = reaches.map(|reach| (reach > self.sine).then(|| self.level_of(reach)));
         let Some(at) =
             Rectangle::of([x, y, z], [far_x, far_y, far_z]).filter(|_| levels[0] == levels[1])
@@ -334,7 +276,7 @@ impl StarMap {
         });
         let Some(distance) = distance else {
             if rays.len() == 1 {
-                let cap = Cap::new(rays.get(0), rays.ratios[0], reaches[0], rays.motion(0));
+                let cap = Cap::of_points(rays.get(0), rays.ratios[0], reaches[0], rays.motion(0));
                 let seen = self.in_cap(&cap, rays.beaming, |star| light(first, star));
                 if seen != [0.0; 3] {
                     each(first, seen);
@@ -376,6 +318,7 @@ impl StarMap {
     /// The sum of the `light` in a cap.
     fn in_cap(&self, cap: &Cap, beaming: Beaming, light: impl Fn(&Star) -> [f64; 3]) -> [f64; 3] {
         let mut sum = [0.0; 3];
+        let (axis, bound_of_cap) = cap.in_world();
         let mut shine = |direction: DVec3, parts: &[Part], channels: [f32; 3]| {
             let [density, x] = cap.density(direction);
             if density > 0.0 {
@@ -414,7 +357,7 @@ impl StarMap {
             let family = &level.families[family as usize];
             let (place, size) = (&family.merged, DIAGONAL * bound);
             // No star of the family is in the cap.
-            if place.direction.dot(cap.axis) + size * cap.axis.length() <= cap.bound {
+            if place.direction.dot(axis) + size * axis.length() <= bound_of_cap {
                 continue;
             }
             let inverse = cap.motion.inverse_ratio(place.direction);
@@ -467,14 +410,6 @@ impl StarMap {
             seen &= seen - 1;
             each(k, sums[k]);
         }
-    }
-
-    /// sin R for pixels of this width; sin ρ or less if discs are not widened.
-    #[inline(always)]
-    fn reach(&self, pixel: f64) -> f64 {
-        let point = REACH * pixel;
-        let square = point * point - LESS * self.sine * self.sine;
-        square.max(0.0).sqrt()
     }
 
     /// The level for discs with sin R = `reach`, above 0; the last if they are wider than on any.

@@ -91,7 +91,7 @@ pub enum Background {
         angle: f64,
         /// The angle between pixels, where it is largest.
         pixel: f64,
-        /// How the observer sees stars.
+        /// How the observer sees stars; and the sun, by its motion.
         beaming: Beaming,
         /// The observer's motion by the moment of the exposure, if it changes.
         motions: Option<Box<Motions>>,
@@ -289,7 +289,7 @@ impl Shading {
             take_directions(escaped, traced, &mut self.directions);
         }
         self.motions.clear();
-        if let (Some(motions), [_, ..], true) = (motions, traced.rays.moments, sky.has_stars()) {
+        if let (Some(motions), [_, ..], true) = (motions, traced.rays.moments, sky.has_discs()) {
             let moments = escaped.iter().map(|ray| traced.rays.moments[*ray as usize]);
             self.motions
                 .extend(moments.map(|moment| motions.at(moment)));
@@ -300,6 +300,7 @@ impl Shading {
             pixel: *pixel,
             ratios: &[],
             beaming: *beaming,
+            power: response.scaled.beaming(),
             motions: &self.motions,
         };
         // There may be nothing to see between stars.

@@ -1,6 +1,7 @@
 //! Stars against sums over all of them.
 
 use super::super::levels::Family;
+use super::super::star::Motion;
 use super::*;
 use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
 
@@ -19,6 +20,7 @@ fn seen(
         pixel: 1.0,
         ratios: &ratios,
         beaming: Beaming::REST,
+        power: 0,
         motions: &[],
     };
     let mut seen = vec![[0.0; 3]; directions.len()];
@@ -359,6 +361,7 @@ fn seen_from(
             channels,
             shifted: true,
         },
+        power: 0,
         motions: &[],
     };
     let light = |k: usize, star: &Star| match channels {

@@ -24,6 +24,20 @@ impl CameraModel {
         self.motion.world_line(self.velocity, self.origin)
     }
 
+    /// The camera with the shot at another time of its clock: one of a glTF file is turned as its animated node is at that world time.
+    pub fn at(&self, time: f64) -> CameraModel {
+        let mut camera = self.clone();
+        camera.time = time;
+        if let Some(turning) = &self.turning
+            && let Some(shot) = self.world_line().ok().and_then(|line| line.state(time))
+        {
+            let seconds = shot.event.ct / turning.speed_of_light;
+            let turn = turning.track.rotation(seconds);
+            camera.axes = turning.axes.map(|axis| turn * axis);
+        }
+        camera
+    }
+
     /// The world event of the shot of a camera without acceleration: the pinhole when its clock shows [`CameraModel::time`]. For any
     /// camera, use [`CameraModel::world_line`].
     pub fn shot(&self) -> Event<World> {

@@ -23,7 +23,7 @@ pub use crate::mesh::Shape;
 
 pub use camera::{
     Assembly, CameraModel, Elements, Integration, Motion, Pivot, ProjectionKind, Records, Rotation,
-    Sensor, Shutter, Stereo,
+    Sensor, Shutter, Stereo, Turning,
 };
 pub use light::{Beam, Brightness, EmissionProfile, Lamp, Light, LightKind};
 pub use panel::{Panel, Sheet, Show};

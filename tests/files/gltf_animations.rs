@@ -7,7 +7,7 @@ use nullray::io::gltf;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::render::render;
+use nullray::render::{render, survey};
 use nullray::scene::{self, Overrides};
 
 /// A glTF file whose node "tip" hangs two metres along x from "arm", which turns by a right angle about y within a second;
@@ -305,6 +305,41 @@ fn a_camera_of_the_file_turns_with_its_node_from_picture_to_picture() {
             "{:?}",
             scene.passed_over
         );
+    }
+}
+
+#[test]
+fn a_picture_without_objects_names_times_at_which_a_camera_that_turns_with_its_node_sees_some() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = animated(folder.path());
+    let text = std::fs::read_to_string(&path).unwrap();
+    let camera = "\"cameras\": [{ \"type\": \"perspective\", \"perspective\": { \"yfov\": 0.6, \"znear\": 1 } }], \"nodes\"";
+    let text = text.replacen("\"nodes\"", camera, 1);
+    let text = text.replace("\"name\": \"tip\"", "\"name\": \"tip\", \"camera\": 0");
+    std::fs::write(&path, text).unwrap();
+    // The tip goes from (2, 1, 0) to (0, 1, -2) within 4 m and turns from −z to −x: early it looks at what lies far along −z.
+    let seen = |time: &str| {
+        let text = "speed_of_light = \"4 m/s\"\n[camera]\nsize = [32, 24]\ngltf = \"animated.gltf\"\nnode = \"tip\"\n\
+                    motion.animation = { gltf = \"animated.gltf\", node = \"tip\", name = \"turn\" }\n\
+                    [[object]]\nshape = { sphere = { radius = 1 } }\norigin = { position = [2, 1, -6] }\n";
+        let overrides = Overrides {
+            time: Some(time.into()),
+            ..Overrides::default()
+        };
+        let scene = scene::parse(text, "test scene", folder.path(), &overrides).unwrap();
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let mut prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+        let met = render(&prepared, &Silent).unwrap().met();
+        (met, survey::other_times(&scene, &mut prepared))
+    };
+    assert!(seen("0 m").0 > 0.0);
+    let (met, times) = seen("2 m");
+    assert_eq!(met, 0.0);
+    let times = times.unwrap().to_string();
+    let times: Vec<&str> = times.split('"').skip(1).step_by(2).collect();
+    assert_eq!(times.len(), 2, "{times:?}");
+    for time in times {
+        assert!(seen(time).0 > 0.0, "{time}");
     }
 }
 

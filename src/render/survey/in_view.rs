@@ -90,9 +90,7 @@ fn approach(scene: &Scene, frame: &RestFrame) -> Option<[f64; 2]> {
     let (lo, hi) = frame.bvh.bounds()?;
     let (middle, radius) = (lo.midpoint(hi), 0.5 * lo.distance(hi));
     let place = |time: f64| -> Option<DVec3> {
-        let mut camera = scene.camera.clone();
-        camera.time = time;
-        let event = Shot::new(&camera).ok()?.event;
+        let event = Shot::new(&scene.camera.at(time)).ok()?.event;
         Some(frame.frame.event_from_world(event).x - middle)
     };
     let mut time = scene.camera.time;
@@ -120,7 +118,7 @@ fn approach(scene: &Scene, frame: &RestFrame) -> Option<[f64; 2]> {
 /// Of rays through pixel centres of some tiles, those that hit an object at a camera time; 0 if the camera's world line does not reach it.
 fn hits(scene: &Scene, prepared: &mut Prepared, time: f64) -> usize {
     let mut other = scene.clone();
-    other.camera.time = time;
+    other.camera = scene.camera.at(time);
     if prepared.retake(&other).is_err() {
         return 0;
     }

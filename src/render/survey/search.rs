@@ -64,7 +64,7 @@ impl<'a> Shots<'a> {
             None if self.known.len() == MOST_SHOTS => return None,
             None => {
                 let mut other = self.scene.clone();
-                other.camera.time = time;
+                other.camera = self.scene.camera.at(time);
                 self.prepared.retake(&other).ok()?;
                 let seen = seen_or_sampled(self.prepared, self.every);
                 self.prepared.retake(self.scene).ok()?;

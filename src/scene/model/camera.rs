@@ -1,10 +1,13 @@
 //! The camera: a pinhole on a world line, a sensor, a shutter.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::io::gltf::GltfTrack;
 use crate::spacetime::worldline::{Axes, Segment};
 use crate::spacetime::{Event, Velocity, World};
 
@@ -16,6 +19,8 @@ pub struct CameraModel {
     pub origin: Event<World>,
     /// Orthonormal axes in the camera frame (whose axes are the world's, boosted without rotation): right, up, forward.
     pub axes: [DVec3; 3],
+    /// How these axes follow the time of the shot, if the camera is one of an animated glTF file.
+    pub turning: Option<Turning>,
     /// The projection.
     pub projection: ProjectionKind,
     /// Horizontal field of view in the camera frame, radians, up to the projection's limit; with a sensor, the one at
@@ -39,6 +44,17 @@ pub struct CameraModel {
     pub shutter: Option<Shutter>,
     /// Camera time between the frames of a sequence, metres.
     pub frame_interval: Option<f64>,
+}
+
+/// How a camera of a glTF file turns with its animated node, from shot to shot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Turning {
+    /// The axes without the animation.
+    pub axes: [DVec3; 3],
+    /// The animation.
+    pub track: Arc<GltfTrack>,
+    /// Metres of world time per second of the animation.
+    pub speed_of_light: f64,
 }
 
 /// The projections of [`crate::camera`].
@@ -207,6 +223,7 @@ impl CameraModel {
         CameraModel {
             origin: Event::new(0.0, eye),
             axes: [right, right.cross(forward), forward],
+            turning: None,
             projection: ProjectionKind::default(),
             horizontal_fov: std::f64::consts::FRAC_PI_3,
             size,

@@ -1,5 +1,7 @@
 //! The camera.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::context::Context;
@@ -11,8 +13,7 @@ use crate::scene::at::At;
 use crate::scene::file::Camera;
 use crate::scene::inputs::Pose;
 use crate::scene::limits;
-use crate::scene::model::{CameraModel, ProjectionKind};
-use crate::spacetime::worldline::WorldLine;
+use crate::scene::model::{CameraModel, ProjectionKind, Turning};
 
 /// The camera: its parts are resolved separately and then checked against each other.
 pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
@@ -30,9 +31,10 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     } = motion::resolve(cx, &mover, pose.eye)?;
     let interval = camera.frame_interval.as_ref();
     let interval = interval.map(|interval| cx.duration(interval, "`frame_interval`"));
-    let mut model = CameraModel {
+    let model = CameraModel {
         origin,
         axes: pose.axes,
+        turning: turning(cx, camera, pose.axes)?,
         projection: camera.projection.value,
         horizontal_fov: horizontal_fov(cx, camera, &pose, size)?,
         size,
@@ -48,26 +50,22 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     stereo::refuse_sensor_without_plane(cx, camera)?;
     sensor::refuse_faster_than_light(cx, camera, &model)?;
     worldline::refuse_outside(cx, camera, &model, &line)?;
-    model.axes = axes_at_shot(cx, camera, &model, &line)?;
-    Ok(model)
+    Ok(model.at(model.time))
 }
 
-/// The axes at the shot: those of a camera of a glTF file that follows an animation are turned as the node is at that world time.
-fn axes_at_shot(
-    cx: &Context,
-    camera: &Camera,
-    model: &CameraModel,
-    line: &WorldLine,
-) -> Result<[DVec3; 3]> {
+/// How a camera of a glTF file that follows an animation turns with its node.
+fn turning(cx: &Context, camera: &Camera, axes: [DVec3; 3]) -> Result<Option<Turning>> {
     let motion = camera.motion.as_ref().map(|at| &at.value);
     let animation = motion.and_then(|motion| motion.animation.as_ref());
-    let (Some(animation), Some(_), Some(shot)) = (animation, &camera.gltf, line.state(model.time))
-    else {
-        return Ok(model.axes);
+    let (Some(animation), Some(_)) = (animation, &camera.gltf) else {
+        return Ok(None);
     };
     let track = cx.gltf_track(&animation.value.gltf)?;
-    let turn = track.rotation(shot.event.ct / cx.speed_of_light);
-    Ok(model.axes.map(|axis| turn * axis))
+    Ok(Some(Turning {
+        axes,
+        track: Arc::new(track),
+        speed_of_light: cx.speed_of_light,
+    }))
 }
 
 /// The pose when the camera's clock shows 0.

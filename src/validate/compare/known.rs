@@ -153,7 +153,7 @@ fn described<T>(
 pub(super) fn scene_of_picture(picture: &Picture) -> Option<Scene> {
     let mut scene = described(picture, scene::parse)?;
     if let Some(time) = picture.metadata("camera_time") {
-        scene.camera.time = time.parse().ok()?;
+        scene.camera = scene.camera.at(time.parse().ok()?);
     }
     (scene.bounces == 0 && is_all_in_its_text(&scene)).then_some(scene)
 }
@@ -234,7 +234,7 @@ impl KnownScene {
         let mut model = camera(model)?;
         // A frame of a sequence has its own time.
         if let Some(time) = picture.metadata("camera_time") {
-            model.time = time.parse().ok()?;
+            model = model.at(time.parse().ok()?);
         }
         let bodies = motions
             .objects

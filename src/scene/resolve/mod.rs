@@ -30,6 +30,7 @@ use super::inputs::Inputs;
 use super::limits;
 use super::model::Scene;
 use super::report::Report;
+use super::values::Number;
 use crate::error::{Error, Result};
 use crate::spacetime::units::quoted;
 pub(crate) use context::Context;
@@ -64,7 +65,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     light::give_spectra(&cx, &file.light, &lights, &mut objects, spectral)?;
     let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
     light::refuse_those_of_cubes(&cx, &lights, &sources, &objects)?;
-    let scene = Scene {
+    let mut scene = Scene {
         speed_of_light: cx.speed_of_light,
         medium_index,
         flash_times,
@@ -105,6 +106,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         folder: cx.inputs.reach.clone(),
         read: cx.inputs.read.iter().cloned().collect(),
     };
+    scene.passed_over.extend(rough_glass(file, &scene));
     // Checks that need the whole scene.
     refuse_two_backgrounds(&cx, file)?;
     sky::check(&cx, file, &scene)?;
@@ -151,6 +153,22 @@ fn passed_over(cx: &Context, file: &file::Scene) -> Result<Vec<String>> {
         }
     }
     Ok(sentences)
+}
+
+/// Roughness that shapes of glass do not show.
+fn rough_glass(file: &file::Scene, scene: &Scene) -> Vec<String> {
+    let is_above_0 = |at: &Option<At<Number>>| at.as_ref().is_some_and(|at| at.value.0 > 0.0);
+    let objects = file.object.iter().map(|at| &at.value).zip(&scene.objects);
+    let rough =
+        objects.filter(|(said, _)| is_above_0(&said.transmission) && is_above_0(&said.roughness));
+    rough
+        .map(|(_, object)| {
+            format!(
+                "object {}: rough glass is taken as smooth",
+                quoted(&object.name)
+            )
+        })
+        .collect()
 }
 
 /// Refuses a background beside a sky, which replaces it.

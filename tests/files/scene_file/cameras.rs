@@ -178,3 +178,23 @@ fn keyframes_take_the_place_of_where_a_gltf_camera_is() {
     assert_eq!(camera.origin, Event::new(1.0, DVec3::Z * 7.0));
     assert_eq!(camera.axes[2], DVec3::NEG_Z);
 }
+
+#[test]
+fn roughness_that_a_shape_of_glass_does_not_show_is_told() {
+    let told = |keys: &str| {
+        let text = format!(
+            "[camera]\n[[object]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = 1 }} }}\n{keys}\n"
+        );
+        scene(&text).passed_over
+    };
+    let rough = ["object \"ball\": rough glass is taken as smooth"];
+    assert_eq!(told("transmission = 1\nroughness = 0.5"), rough);
+    assert_eq!(told("transmission = 0.5\nroughness = 1"), rough);
+    for smooth in [
+        "transmission = 1",
+        "transmission = 1\nroughness = 0",
+        "roughness = 0.5",
+    ] {
+        assert!(told(smooth).is_empty(), "{smooth}");
+    }
+}

@@ -149,6 +149,7 @@ pub fn shifted(scene: &Scene, prepared: &Prepared) -> String {
     }
     let range = survey::wavelength_ratios_outside(prepared, seen_ratios(scene));
     match range {
+        Some(range) if is_declared(scene, range) => String::new(),
         Some(range) => out_of_sight(scene, range, false) + "\n",
         None => unseen_lamps(scene, prepared),
     }
@@ -179,7 +180,52 @@ pub fn will_be_shifted(scene: &Scene) -> Result<Option<String>> {
         return Ok(None);
     }
     let range = survey::camera_ratios_outside(scene, seen_ratios(scene))?;
+    let range = range.filter(|range| !is_declared(scene, *range));
     Ok(range.map(|range| out_of_sight(scene, range, false)))
+}
+
+/// The part of a spectrum's brightness without which nothing is seen of it.
+const FAINTEST: f64 = 1e-6;
+
+/// Whether light in view with W from `low` to `high` has a spectrum of its own that reaches the wavelengths shown: false colours that show
+/// visible light as it was emitted would then see no more; much less, where surfaces reflect red, green and blue.
+fn is_declared(scene: &Scene, [low, high]: [f64; 2]) -> bool {
+    let (seen, middle) = (seen_as_emitted(scene), (low * high).sqrt());
+    let of_lights = scene.lights.iter().filter_map(|light| match &light.kind {
+        LightKind::Lamp(lamp) => lamp.spectrum.as_ref(),
+        LightKind::Area { .. } => None,
+    });
+    let of_objects = scene.objects.iter().filter_map(|o| o.spectrum.as_ref());
+    let of_sky = scene.sky.iter().filter_map(|sky| match &sky.background {
+        SkyRadiance::Spectrum(spectrum) => Some(spectrum),
+        SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } | SkyRadiance::Image { .. } => None,
+    });
+    let reaches = |spectrum: &Spectrum| {
+        let at = |shown: f64| brightest(spectrum, [low / shown, high / shown]);
+        let (shown, proposed) = (at(seen), at(middle));
+        shown > 0.0
+            && match scene.spectra {
+                Spectra::Sampled => shown >= FAINTEST * proposed,
+                Spectra::Rgb => FAINTEST * shown > proposed,
+            }
+    };
+    of_lights.chain(of_objects).chain(of_sky).any(reaches)
+}
+
+/// The largest XYZ of a spectrum seen at these W, without the factor W⁻⁴ of its energy.
+fn brightest(spectrum: &Spectrum, range: [f64; 2]) -> f64 {
+    let values = ratios_within(range).map(|w| {
+        let xyz = spectrum.xyz_at(w);
+        w.powi(4) * xyz.into_iter().fold(0.0, f64::max)
+    });
+    values.fold(0.0, f64::max)
+}
+
+/// W across a range: as fine as the changes of the eye's response, where that is no wider than the visible one.
+fn ratios_within([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+    const PLACES: i32 = 32;
+    let places = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
+    places.map(move |part| low + (high - low) * part)
 }
 
 /// Where light in view with these W is shifted to and from; all of them take visible light out of the visible range.
@@ -236,8 +282,11 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
     }
     let [least, most] = seen_ratios(scene);
     let mut text = match survey::wavelength_ratios(prepared) {
-        Some([low, high]) if low > most || high < least => {
-            out_of_sight(scene, [low, high], true) + "\n"
+        Some(range @ [low, high]) if low > most || high < least => {
+            match is_declared(scene, range) {
+                true => String::new(),
+                false => out_of_sight(scene, range, true) + "\n",
+            }
         }
         Some(range) => unseen_spectra(scene, range),
         None => String::new(),
@@ -248,11 +297,8 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
 
 /// The objects whose spectra are invisible at all of these W.
 fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
-    // As fine as the changes of the eye's response, over a range no wider than the visible one.
-    const PLACES: i32 = 32;
     let is_seen = |spectrum: &Spectrum| {
-        let places = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
-        let mut ratios = places.map(|part| low + (high - low) * part);
+        let mut ratios = ratios_within([low, high]);
         ratios.any(|w| spectrum.xyz_at(w).iter().any(|value| *value > 0.0))
     };
     let unseen = scene.objects.iter().filter(|object| {

@@ -208,6 +208,34 @@ fn light_out_of_sight_that_exposure_makes_bright_is_told_with_its_wavelengths() 
 }
 
 #[test]
+fn light_of_a_declared_infrared_spectrum_is_not_called_out_of_sight() {
+    let folder = Folder::empty();
+    let scene = |spectrum: &str, spectra: &str| {
+        format!(
+            "[camera]\neye = [0, 1, 3]\nlook_at = [0, 0, 0]\nsize = [16, 10]\n[radiance]\nquantity = \"rgb\"\n\
+             [[object]]\nshape = {{ plane = {{ size = [10, 10] }} }}\n[[light]]\nposition = [0, 1, 0]\n{spectrum}\n\
+             [render]\nspectra = \"{spectra}\"\n[display]\nfalse_colour = \"10.6 um\"\n"
+        )
+    };
+    let (line, thermal) = (
+        "spectrum = { line = \"10.6 um\", total = 1 }",
+        "spectrum = { blackbody = \"400 K\", total = 1 }",
+    );
+    for (spectrum, spectra, is_told) in [
+        (line, "sampled", false),
+        (thermal, "sampled", false),
+        // Visible light of the lamp is 10⁻²² of it: shown as it was emitted it would be black.
+        (thermal, "rgb", false),
+        ("", "rgb", true),
+    ] {
+        folder.write("w.toml", scene(spectrum, spectra));
+        let said = folder.ok(&["render", "w.toml", "-o", "w.png"]);
+        assert_eq!(said.contains("out of sight"), is_told, "{spectrum}: {said}");
+        assert_eq!(said.contains("555 nm\""), is_told, "{spectrum}: {said}");
+    }
+}
+
+#[test]
 fn a_sky_alone_and_lines_out_of_sight_have_their_own_reasons() {
     let folder = Folder::empty();
     let camera = "[camera]\neye = [0, 0, 5]\nforward = [0, 0, 1]\nsize = [8, 6]\n";

@@ -50,7 +50,7 @@ macro_rules! quantities {
         /// What a radiance measures.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
         #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-        #[cfg_attr(feature = "schema", schemars(inline))]
+        #[cfg_attr(feature = "schema", schemars(inline, extend("enum" = [$($name, $($alias,)?)*])))]
         pub(crate) enum QuantityKind {
             $(#[serde(rename = $name $(, alias = $alias)?)] $variant,)*
         }

@@ -18,9 +18,9 @@ use crate::spacetime::units::Wavelength;
     expecting = "a table like { quantity = \"integrated\" }"
 )]
 pub(in crate::scene) struct Radiance {
-    /// The quantity: "integrated" over the spectrum, "per_wavelength", "per_frequency", "line" (one spectral line, needs `wavelength`),
-    /// "photons", "photons_per_wavelength", "photons_per_frequency", or "rgb": the colour of a smooth spectrum, so that hues shift. All
-    /// others change only in brightness. Default: "integrated".
+    /// The quantity: "integrated" over the spectrum (or "luminance", another word for the same), "per_wavelength", "per_frequency", "line"
+    /// (one spectral line, needs `wavelength`), "photons", "photons_per_wavelength", "photons_per_frequency", or "rgb": the colour of a
+    /// smooth spectrum, so that hues shift. All others change only in brightness. Default: "integrated".
     pub quantity: At<QuantityKind>,
     /// The emitted wavelength of the line, like "532 nm", in the emitter's rest frame. Required with
     /// quantity = "line", refused with any other.

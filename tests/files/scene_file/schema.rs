@@ -1,6 +1,7 @@
 //! The JSON schema, and the reference scene against it.
 
-use nullray::scene::schema;
+use nullray::scene::{Overrides, parse, schema};
+use nullray::spacetime::Quantity;
 use serde_json::Value;
 
 use crate::scene_file::motion::camera;
@@ -52,6 +53,36 @@ fn every_key_is_described() {
         let described = property.get("description").is_some() || key == "mark";
         assert!(described, "{key}: {property}");
     }
+}
+
+#[test]
+fn the_other_word_for_integrated_radiance_is_in_the_schema() {
+    let all = properties(&schema());
+    let quantities = all.iter().filter(|(key, _)| key == "quantity");
+    let lists = quantities.filter_map(|(_, property)| property["enum"].as_array());
+    let mut count = 0;
+    for list in lists {
+        assert!(list.iter().any(|word| word == "luminance"), "{list:?}");
+        for word in list {
+            let text = format!(
+                "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\n[radiance]\nquantity = {word}\n{}\n[[object]]\nshape = {{ sphere = {{ radius = 1 }} }}\n",
+                if word == "line" {
+                    "wavelength = \"532 nm\""
+                } else {
+                    ""
+                }
+            );
+            let scene = parse(&text, "test", "".as_ref(), &Overrides::default()).unwrap();
+            let is_integrated = scene.quantity == Quantity::Integrated;
+            assert_eq!(
+                is_integrated,
+                word == "integrated" || word == "luminance",
+                "{word}"
+            );
+        }
+        count += 1;
+    }
+    assert!(count > 0);
 }
 
 #[test]

@@ -268,11 +268,21 @@ fn unit_of(wavelength: f64) -> (f64, &'static str) {
     }
 }
 
-/// Two wavelengths, metres, in a readable unit.
-fn span(wavelengths: [f64; 2]) -> String {
-    let (unit, name) = unit_of(wavelengths[1]);
-    let [from, to] = wavelengths.map(|wavelength| short(wavelength / unit));
-    format!("{from} to {to} {name}")
+/// The largest quotient of two wavelengths that are written in the same unit.
+const SAME_UNIT: f64 = 1e3;
+
+/// Two wavelengths, metres, in a readable unit; in one of its own each, if they are far apart.
+fn span([from, to]: [f64; 2]) -> String {
+    let (unit, name) = unit_of(to);
+    let (own, own_name) = unit_of(from);
+    match to / from < SAME_UNIT || name == own_name {
+        true => format!("{} to {} {name}", short(from / unit), short(to / unit)),
+        false => format!(
+            "{} {own_name} to {} {name}",
+            short(from / own),
+            short(to / unit)
+        ),
+    }
 }
 
 /// The remark that all light in view is shifted out of the visible range; empty otherwise.
@@ -352,11 +362,14 @@ pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
     lamps.map(line).collect()
 }
 
-/// A number to four significant digits.
+/// A number to four significant digits, with a power of ten if it would have many zeros.
 fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    // Adding 0 turns −0 into 0.
-    (rounded + 0.0).to_string()
+    match rounded.abs() {
+        size if size > 0.0 && !(1e-4..1e7).contains(&size) => format!("{rounded:e}"),
+        // Adding 0 turns −0 into 0.
+        _ => (rounded + 0.0).to_string(),
+    }
 }
 
 /// Why surfaces in view are dark although no data are missing, with advice.
@@ -505,5 +518,20 @@ fn percent(part: f64) -> String {
         p if p > 0.0 && p < 0.0005 => "< 0.1 %".into(),
         p if (0.9995..1.0).contains(&p) => "> 99.9 %".into(),
         p => format!("{:.1} %", 100.0 * p),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wavelengths_and_ratios_of_any_size_are_written_with_few_digits() {
+        assert_eq!(span([5.36e-6, 11e-6]), "5.36 to 11 µm");
+        assert_eq!(span([380e-9, 780e-9]), "380 to 780 nm");
+        assert_eq!(span([2.261e-6, 0.01314]), "2261 nm to 0.01314 m");
+        assert_eq!(span([4.182e-15, 7.254e-14]), "4.182e-6 to 7.254e-5 nm");
+        let written = [14.107, 1.078e-8, 2e-4, 2e16, 0.0, -0.0].map(short);
+        assert_eq!(written, ["14.11", "1.078e-8", "0.0002", "2e16", "0", "0"]);
     }
 }

@@ -16,6 +16,8 @@ use std::str::FromStr;
 /// The largest accepted magnitude of a number, in base units. The observable universe is 9·10²⁶ m wide; products of four such numbers
 /// still fit f64.
 pub const LARGEST: f64 = 1e30;
+/// The smallest accepted positive number: powers of smaller ones leave f64's range.
+pub const SMALLEST: f64 = 1e-30;
 
 /// A finite number and its unit, as written.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use crate::io::gltf::{GltfLight, GltfLightKind};
 use crate::spacetime::Quantity;
-use crate::spacetime::units::Angle;
+use crate::spacetime::units::{Angle, LARGEST, SMALLEST};
 
 /// The first line of such a scene.
 pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a scene.";
@@ -43,12 +43,16 @@ impl ModelScene {
         }
     }
 
-    /// The text, with the radiance `white` displayed as white.
+    /// The text, with the radiance `white` displayed as white; exposed by each picture if that is beyond what scene files allow.
     pub fn exposed(&self, white: f64) -> String {
         let short = |radiance: f64| format!("{radiance:.2e}").parse().unwrap_or(radiance);
         let white: f64 = short(white);
-        let display = match self.range {
-            Some(range) => format!("logarithmic = [{:?}, {white:?}]", short(white / range)),
+        let black = self.range.map(|range| short(white / range));
+        if white > LARGEST || black.unwrap_or(white) < SMALLEST {
+            return self.text.clone();
+        }
+        let display = match black {
+            Some(black) => format!("logarithmic = [{black:?}, {white:?}]"),
             None => format!("white = {white:?}"),
         };
         format!("{}\n[display]\n{display}\n", self.text)

@@ -14,11 +14,10 @@ use crate::scene::limits::Wrong;
 use crate::scene::memory;
 use crate::scene::report::Report;
 use crate::scene::values::{Number, Vector};
-use crate::spacetime::units::{Acceleration, AngularRate, LARGEST, Length, Speed, Time, quoted};
+use crate::spacetime::units::{
+    Acceleration, AngularRate, LARGEST, Length, SMALLEST, Speed, Time, quoted,
+};
 use crate::spacetime::{Direction, World};
-
-/// The smallest accepted positive number: powers of smaller ones leave f64's range.
-const SMALLEST: f64 = 1e-30;
 
 /// The largest number of segments, times of a profile, or keyframes.
 const LONGEST_LIST: usize = 100_000;

@@ -333,6 +333,26 @@ fn what_cannot_be_framed_is_refused() {
 }
 
 #[test]
+fn a_model_in_light_brighter_than_any_white_of_a_scene_file_is_exposed_by_its_picture() {
+    // W is some 10⁻⁸ ahead, and W⁻⁴ beyond 10³⁰.
+    let folder = folder(1.0);
+    let arguments = [
+        "render",
+        "model.gltf",
+        "--beta",
+        "0.9999999999999999",
+        "--size",
+        "16x12",
+        "--set",
+        "radiance.quantity=\"integrated\"",
+        "-o",
+        "a.png",
+    ];
+    let said = folder.ok(&arguments);
+    assert!(said.contains("white is radiance"), "{said}");
+}
+
+#[test]
 fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     let folder = folder(1.0);
     let said = folder.ok(&["render", "model.gltf", "--print-scene"]);

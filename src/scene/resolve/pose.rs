@@ -273,7 +273,10 @@ fn axes(
 ) -> Result<[DVec3; 3]> {
     let up_vector = up.as_ref().map_or(Camera::UP, |up| up.value).vec();
     frame(forward, up_vector).ok_or_else(|| {
-        let what = "the forward axis is parallel to `up`";
+        let what = match unit(up_vector) {
+            None => "`up` is a zero vector",
+            Some(_) => "the forward axis is parallel to `up`",
+        };
         let help =
             "give an `up` that is not zero and not along the line of sight, like up = [0, 0, 1]";
         let span = up.as_ref().map_or(&at.span, |up| &up.span);

@@ -26,6 +26,19 @@ shape = { sphere = { radius = 1 } }
 ";
 
 #[test]
+fn an_up_of_zero_is_not_called_parallel() {
+    let refused = |up: &str| {
+        let text = format!(
+            "[camera]\nlook_at = [0, 0, -1]\nup = {up}\n[[object]]\nshape = {{ sphere = {{ radius = 1 }} }}\n"
+        );
+        let refused = parse(&text, "test", ROOT.as_ref(), &Overrides::default());
+        refused.unwrap_err().to_string()
+    };
+    assert!(refused("[0, 0, 0]").contains("`up` is a zero vector"));
+    assert!(refused("[0, 0, 2]").contains("the forward axis is parallel to `up`"));
+}
+
+#[test]
 fn the_shot_is_on_the_cameras_world_line() {
     let scene = scene(MOVING);
     // γ = 5/4: after 4 m of proper time 5 m of world time and 0.6 · 5 m of path have passed.

@@ -60,7 +60,7 @@ cases! { CAMERA:
     "[64, 48]" => "[-64, 48]" at "camera.size[0]" "-64": "invalid value", "Width and height";
     "look_at = [0, 0, 0]\nhfov" => "look_at = [0, 1, 5]\nhfov" at "camera.look_at" "[0, 1, 5]": "the same point", "another point";
     HFOV => "up = [0, 1, 5]" at "camera.up" "[0, 1, 5]": "parallel", "not along the line of sight";
-    HFOV => "up = [0, 0, 0]" at "camera.up" "[0, 0, 0]": "parallel", "not zero";
+    HFOV => "up = [0, 0, 0]" at "camera.up" "[0, 0, 0]": "zero vector", "not zero";
     "eye = [0, 1, 5]" => "eye = [0, 1, 0]" at "camera.look_at" "[0, 0, 0]": "parallel", "`up`";
     HFOV => "gltf = \"a.glb\"" at "camera.eye" "[0, 1, 5]": "`gltf` and `eye` exclude each other", "keep one";
     HFOV => "node = \"cam\"" at "camera.node" "\"cam\"": "no file is given", "add gltf";

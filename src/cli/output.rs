@@ -322,6 +322,7 @@ impl Outputs {
             half: self.half,
             sealed: self.is_sealed(),
             matrices: scene.camera.matrices(),
+            window_width: scene.camera.window_width(),
         };
         image::exr::write_with(path, &layers, &options)?;
         Ok(channel_count(&layers))

@@ -163,9 +163,18 @@ impl CameraModel {
     /// OpenEXR 3.
     pub fn matrices(&self) -> [Option<[f32; 16]>; 2] {
         let [camera, ndc] = self.matrices_of_perspective();
-        let is_single = self.stereo.is_none();
-        let is_flat = is_single && self.projection == ProjectionKind::Perspective;
-        [Some(camera), is_flat.then_some(ndc)]
+        [Some(camera), self.is_flat().then_some(ndc)]
+    }
+
+    /// OpenEXR's `screenWindowWidth`: the width of the window at the distance 1 through which a single perspective picture looks, 2 tan
+    /// (hfov/2); `None` for others. Source: ImfStandardAttributes.h and TechnicalIntroduction of OpenEXR 3.
+    pub fn window_width(&self) -> Option<f32> {
+        let width = 2.0 * libm::tan(0.5 * self.horizontal_fov);
+        self.is_flat().then_some(width as f32)
+    }
+
+    fn is_flat(&self) -> bool {
+        self.stereo.is_none() && self.projection == ProjectionKind::Perspective
     }
 
     fn matrices_of_perspective(&self) -> [[f32; 16]; 2] {

@@ -120,6 +120,7 @@ fn half_precision_is_for_what_is_looked_at_alone() {
     let options = exr::Options {
         half: true,
         matrices: matrices.map(Some),
+        window_width: Some(1.25),
         ..exr::Options::default()
     };
     exr::write_with(&path, &written, &options).unwrap();
@@ -147,6 +148,7 @@ fn half_precision_is_for_what_is_looked_at_alone() {
     let own = &header.own_attributes;
     assert_eq!(own.world_to_camera, Some(matrices[0]));
     assert_eq!(own.world_to_normalized_device, Some(matrices[1]));
+    assert_eq!(own.screen_window_width, 1.25);
 }
 
 #[test]

@@ -85,6 +85,9 @@ pub struct Options {
     pub sealed: bool,
     /// Row-major matrices for row vectors, of the standard attributes `worldToCamera` and `worldToNDC`.
     pub matrices: [Option<[f32; 16]>; 2],
+    /// The width of the picture's window at the distance 1, the standard attribute `screenWindowWidth`; `None` for 1, of a picture that is
+    /// not in perspective.
+    pub window_width: Option<f32>,
 }
 
 /// The maximum expansion by the lossless compressions (deflate: 1032; chunks have their own offsets in addition).
@@ -513,6 +516,7 @@ fn layer_attributes(layers: &Layers, options: &Options) -> LayerAttributes {
         software_name: Some(text(software)),
         world_to_camera: options.matrices[0],
         world_to_normalized_device: options.matrices[1],
+        screen_window_width: options.window_width.unwrap_or(1.0),
         ..LayerAttributes::default()
     };
     let mut put = |key: &str, value: &str| {

@@ -29,7 +29,7 @@ shape = { sphere = { radius = 1 } }
 fn an_up_of_zero_is_not_called_parallel() {
     let refused = |up: &str| {
         let text = format!(
-            "[camera]\nlook_at = [0, 0, -1]\nup = {up}\n[[object]]\nshape = {{ sphere = {{ radius = 1 }} }}\n"
+            "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nup = {up}\n[[object]]\nshape = {{ sphere = {{ radius = 1 }} }}\n"
         );
         let refused = parse(&text, "test", ROOT.as_ref(), &Overrides::default());
         refused.unwrap_err().to_string()
@@ -73,6 +73,12 @@ fn matrices_take_world_points_to_the_camera_and_to_its_picture() {
         "stereo = { interpupillary_distance = \"64 mm\" }\n[[object]]",
     );
     assert_eq!(self::scene(&pair).camera.matrices(), [Some(camera), None]);
+    // At the distance 1 the window is 2 tan 45° wide; other projections have none.
+    assert!((scene.camera.window_width().unwrap() - 2.0).abs() < 1e-6);
+    let globe = text.replace("hfov", "projection = \"fisheye_equisolid\"\nhfov");
+    for other in [&pair, &globe] {
+        assert_eq!(self::scene(other).camera.window_width(), None);
+    }
 }
 
 /// A camera at (1, 2, 5) that looks along −x with +z up has right = f × up = (−1, 0, 0) × (0, 0, 1) = (0, 1, 0). Its
@@ -196,7 +202,7 @@ fn keyframes_take_the_place_of_where_a_gltf_camera_is() {
 fn roughness_that_a_shape_of_glass_does_not_show_is_told() {
     let told = |keys: &str| {
         let text = format!(
-            "[camera]\n[[object]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = 1 }} }}\n{keys}\n"
+            "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\n[[object]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = 1 }} }}\n{keys}\n"
         );
         scene(&text).passed_over
     };

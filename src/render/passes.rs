@@ -9,8 +9,13 @@
 //!
 //! where two of its own standard deviations are added to the mean square, which is uncertain while few passes find a light,
 //!
-//! and a tile is rendered until both halves are decided. The picture of P passes is a function of scene, ε and P: the same bits on any
-//! number of threads, and whether or not the work was interrupted and resumed in between.
+//! and a tile is rendered until both halves are decided. The first decision comes after 4 passes and 32 samples per pixel of each half:
+//! of fewer samples, all parts of a half often agree exactly at the rim of a light, although their mean is wrong. As this number depends on
+//! no sample, it adds no bias. A half that saw too little noise by chance can still settle the other too early; passes that make up for it would
+//! depend on the values, so they are not taken, and the tile is counted ([`Passes::beyond`]).
+//!
+//! The picture of P passes is a function of scene, ε and P: the same bits on any number of threads, and whether or not the work was
+//! interrupted and resumed in between.
 //!
 //! The file of the sums: a line that names the format, the fingerprint of what is rendered, passes, ε and the picture's mean radiance per
 //! half, the sums of all tiles in order (numbers in little-endian order), and the SHA-256 of all that.
@@ -32,10 +37,11 @@ use crate::render::tiles::{Buffers, Pipeline};
 use crate::render::trace::Meter;
 use crate::scene::model::MOST_SAMPLES;
 
-/// Passes of each half before its first decision.
-const FIRST: u32 = 4;
+/// The least number of passes of each half before its first decision, which give a variance of its parts, and of its samples per pixel.
+const LEAST_PASSES: u32 = 4;
+const LEAST_SAMPLES: u32 = 32;
 /// The first line of a file of sums.
-const FORMAT: &[u8] = b"nullray passes 3\n";
+const FORMAT: &[u8] = b"nullray passes 4\n";
 /// The error message for an invalid file of sums.
 const DAMAGED: &str = "this file of finished passes is damaged";
 /// Bytes of a SHA-256.
@@ -78,7 +84,14 @@ impl Passes {
 
     /// The maximum number of passes of a layout: those of 65,536 samples per pixel, or 16.
     pub fn most(&self) -> u32 {
-        (MOST_SAMPLES / self.layout.samples / 2 * 2).max(4 * FIRST)
+        (MOST_SAMPLES / self.layout.samples / 2 * 2).max(4 * LEAST_PASSES)
+    }
+
+    /// The number of passes of each half before its first decision: a function of the samples of a pass alone.
+    fn first(&self) -> u32 {
+        LEAST_SAMPLES
+            .div_ceil(self.layout.samples)
+            .max(LEAST_PASSES)
     }
 
     /// Whether all tiles have reached the requested error.
@@ -121,7 +134,7 @@ impl Passes {
 
     /// Lets each half of each tile decide whether it needs more passes of the other.
     fn decide(&mut self) {
-        let Some(error) = self.error.filter(|_| self.done >= 2 * FIRST) else {
+        let Some(error) = self.error.filter(|_| self.done >= 2 * self.first()) else {
             return;
         };
         let mean = *self.mean.get_or_insert_with(|| means(&self.tiles));
@@ -161,6 +174,36 @@ impl Passes {
             true => (square / pixels as f64).sqrt() / mean,
             false => 0.0,
         }
+    }
+
+    /// The settled tiles whose standard error, as the root mean square over their pixels, is nevertheless above the requested one.
+    pub fn beyond(&self) -> Beyond {
+        let mut beyond = Beyond::default();
+        let Some(wanted) = self.error else {
+            return beyond;
+        };
+        // Radiance and error of the tiles as they are in the picture, and the picture's mean radiance.
+        let found = self.tiles.iter().filter_map(TileFilm::parts);
+        let found = found.map(|parts| (parts, parts.tile_radiance()));
+        let found: Vec<_> = found.collect();
+        let (sum, pixels) = found
+            .iter()
+            .fold((0.0, 0.0), |(sum, pixels), (parts, mean)| {
+                let count = parts.spread.len() as f64;
+                (sum + mean * count, pixels + count)
+            });
+        let picture = sum / pixels;
+        for (parts, mean) in found.iter().filter(|(parts, _)| parts.is_settled()) {
+            let count = parts.spread.len();
+            let square = (0..count).map(|pixel| parts.own_error_square(pixel));
+            let error = (square.sum::<f64>() / count as f64).sqrt() / mean.max(picture);
+            // Neither a dark picture nor NaN has an error.
+            if error > wanted {
+                beyond.tiles += 1;
+                beyond.largest = beyond.largest.max(error);
+            }
+        }
+        beyond
     }
 
     /// Writes all sums to `path` atomically. `fingerprint` identifies what is rendered.
@@ -296,6 +339,15 @@ impl Passes {
             )
         })
     }
+}
+
+/// Tiles that are settled, and have a larger error than the requested one.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Beyond {
+    /// Their number.
+    pub tiles: usize,
+    /// The largest of their standard errors, relative to the mean radiance of its tile, or of the picture if that is higher.
+    pub largest: f64,
 }
 
 /// Bytes of the passes of `layout` besides the film.

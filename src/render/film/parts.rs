@@ -229,6 +229,13 @@ impl Parts {
         [sums[0] / count, square.sqrt()]
     }
 
+    /// The mean radiance of the tile in the picture.
+    pub(in crate::render) fn tile_radiance(&self) -> f64 {
+        let all = 0..self.spread.len();
+        let sum: f64 = all.map(|pixel| mean(self.mean(pixel))).sum();
+        sum / self.spread.len() as f64
+    }
+
     /// Whether both halves are settled.
     pub(in crate::render) fn is_settled(&self) -> bool {
         self.settled == [true; 2]

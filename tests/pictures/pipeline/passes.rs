@@ -265,6 +265,21 @@ fn tiles_in_which_few_samples_find_a_light_reach_the_error_that_was_asked_for() 
 }
 
 #[test]
+fn no_tile_is_settled_before_each_half_has_32_samples_and_4_passes() {
+    // Without light there is no noise, so that the first decision is the last.
+    for (samples, passes) in [(1, 64), (3, 22), (4, 16), (8, 8), (64, 8)] {
+        let scene = room_in(0, "size = [4, 4]", "[sky]\nradiance = 0", samples);
+        let prepared = prepared(&scene, &[]);
+        let mut dark = Passes::new(&prepared, Some(0.9));
+        while !dark.is_settled() {
+            dark.advance(&prepared, &Silent).unwrap();
+        }
+        assert_eq!(dark.done(), passes, "{samples} samples");
+        assert_eq!(dark.beyond().tiles, 0);
+    }
+}
+
+#[test]
 fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sums");
@@ -275,9 +290,9 @@ fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped()
     );
     for error in [None, Some(0.05)] {
         let mut whole = Passes::new(&prepared, error);
-        (0..8).for_each(|_| whole.advance(&prepared, &Silent).unwrap());
+        (0..12).for_each(|_| whole.advance(&prepared, &Silent).unwrap());
         let mut stopped = Passes::new(&prepared, error);
-        for _ in 0..8 {
+        for _ in 0..12 {
             stopped.advance(&prepared, &Silent).unwrap();
             stopped.write(&path, &[7; 32]).unwrap();
             stopped = Passes::new(&prepared, error);
@@ -293,7 +308,7 @@ fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped()
                 .collect()
         };
         assert_eq!(bits(&a), bits(&b));
-        assert_eq!((a.passes(), b.passes()), (16, 16));
+        assert_eq!((a.passes(), b.passes()), (24, 24));
         // Of another picture, or damaged.
         assert!(!stopped.resume(&path, &[8; 32]).unwrap());
         let mut bytes = std::fs::read(&path).unwrap();

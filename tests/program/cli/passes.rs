@@ -1,5 +1,9 @@
 //! Pictures that improve: `render --error`, `--budget` and `--passes`.
 
+use nullray::io::budget::Budget;
+use nullray::io::image::Samples;
+use nullray::validate::compare::{Encoding, Picture};
+
 use super::Folder;
 
 /// A floor in the soft light of a panel.
@@ -63,7 +67,7 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
     parts.write("soft.toml", SOFT.replace("radiance = 3", "radiance = 4"));
     let said = parts.ok(&[&TO_NPZ[..], &["--error", "60 %"]].concat());
     assert!(
-        !said.contains("resuming") && said.contains("8 passes") && said.contains("starting over"),
+        !said.contains("resuming") && said.contains("32 passes") && said.contains("starting over"),
         "{said}"
     );
     // What was asked for is said to be reached, and is not the error of single pixels.
@@ -71,10 +75,79 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
     assert!(said.contains(reached), "{said}");
     assert!(!parts.path("a.npz.passes").exists());
     // A damaged file is refused, and named.
-    parts.write("a.npz.passes", "nullray passes 3\n");
+    parts.write("a.npz.passes", "nullray passes 4\n");
     let run = parts.run(&[&TO_NPZ[..], &["--passes", "2"]].concat());
     assert_eq!(run.code, 2);
     assert!(run.message().contains("damaged"), "{}", run.stderr);
+}
+
+/// A floor below a lamp that is seen as a hundredth of one pixel, and a sky.
+const SPECK: &str = r#"
+[camera]
+eye = [0, 1, 4]
+look_at = [0, 1, 0]
+hfov = "50 deg"
+size = [16, 16]
+[[object]]
+name = "floor"
+shape = { plane = { size = [4, 4] } }
+[[object]]
+name = "speck"
+shape = { box = { size = [0.023, 0.023, 0.023] } }
+transform = { translate = [0.117, 1.117, 0] }
+[[light]]
+type = "area"
+object = "speck"
+radiance = 800
+[sky]
+radiance = 1
+lights = false
+"#;
+
+#[test]
+fn tiles_that_miss_the_requested_error_are_counted_with_the_largest_error() {
+    let folder = Folder::empty();
+    folder.write("speck.toml", SPECK);
+    let goal = ["render", "speck.toml", "--spp", "4", "--error", "20 %"];
+    let (mut missed, mut reached) = (0, 0);
+    for seed in 0..12 {
+        let seed = format!("render.seed={seed}");
+        let files = ["--set", &seed, "--aovs", "standard_error", "-o", "a.npz"];
+        let said = folder.ok(&[&goal[..], &files].concat());
+        // The root mean square over the only tile, relative to its mean, from the arrays of the file.
+        let budget = Budget::new(1 << 26);
+        let picture = Picture::read(&folder.path("a.npz"), Encoding::Srgb, &budget).unwrap();
+        let layers = &picture.layers;
+        let radiance: Vec<f64> = layers.radiance().unwrap().into_iter().flatten().collect();
+        let mut channels = layers.channels.iter();
+        let errors = channels.find(|channel| channel.name == "standard_error");
+        let Samples::F64(errors) = &errors.unwrap().samples else {
+            panic!("not f64");
+        };
+        let square = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
+        let mean = radiance.iter().sum::<f64>() / radiance.len() as f64;
+        let error = 100.0 * square.sqrt() / mean;
+        match error > 20.0 {
+            true => {
+                missed += 1;
+                let words = format!(
+                    "1 tile of 16 × 16 pixels is beyond the requested standard error, 20 % of its radiance or of the picture's, with up to {error:.3} %"
+                );
+                assert!(
+                    said.contains(&words) && said.contains("--spp"),
+                    "{words}: {said}"
+                );
+            }
+            false => {
+                reached += 1;
+                assert!(
+                    said.contains("each tile of 16 × 16 pixels has reached"),
+                    "{error}: {said}"
+                );
+            }
+        }
+    }
+    assert!(missed > 0 && reached > 0, "{missed} {reached}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub struct BakeArguments {
     pub scene: SceneArguments,
     /// Where to write: .npz with the array radiance (H, W, T, 3) of energies per bin, f32, its standard_error by bin and metadata, or
     /// .npy with the energies alone; with several objects, one file per object, named after it. Finished parts are kept in FILE.parts
-    /// until the bake is complete: run the same command again to resume. Default: the scene's name with -light.npz, in the current
+    /// until the bake is complete: run the same command again to resume. Then objects whose .npz files are complete are not baked again. Default: the scene's name with -light.npz, in the current
     /// directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,

@@ -1,5 +1,6 @@
 //! `nullray bake`.
 
+mod existing;
 pub mod goal;
 mod report;
 
@@ -252,14 +253,14 @@ impl Bake<'_> {
             None => vec![plan.film.samples],
             Some(_) => goal::POSSIBLE.to_vec(),
         };
+        let is_done = |job: &Job| {
+            let fingerprint = job.fingerprint();
+            fingerprint.is_some_and(|found| {
+                let mut sums = possible.iter().map(|samples| sum(job, *samples));
+                sums.any(|sum| found == hexadecimal(&sum))
+            })
+        };
         if self.of_flash {
-            let is_done = |job: &Job| {
-                let fingerprint = job.fingerprint();
-                fingerprint.is_some_and(|found| {
-                    let mut sums = possible.iter().map(|samples| sum(job, *samples));
-                    sums.any(|sum| found == hexadecimal(&sum))
-                })
-            };
             let (done, left) = jobs.into_iter().partition(is_done);
             let done: Vec<Job> = done;
             for job in &done {
@@ -273,6 +274,19 @@ impl Bake<'_> {
         in_pool(self.work.threads.count, || {
             let mut prepared = Prepared::new(scene, &plan, &Bar::new(0, true))?;
             self.check(&prepared, &mut jobs)?;
+            // Of several objects those that an earlier run finished are kept, as frames of a sequence are.
+            let all = jobs.len();
+            if jobs.len() > 1 && !self.of_flash {
+                let is_done = |job: &Job| is_done(job) && existing::is_whole(&job.path, precision);
+                let (done, left): (Vec<Job>, _) = jobs.into_iter().partition(is_done);
+                for job in &done {
+                    let path = job.path.display();
+                    let table = job.said("source_table").unwrap_or_default();
+                    say(quiet, &format!("{path} exists already\n\n{table}"))?;
+                }
+                jobs = left;
+            }
+            let skips = jobs.len() < all;
             if self.of_flash {
                 let largest = self.largest(&jobs) as f64 / 1e6;
                 let [columns, rows] = jobs[0].surface.map_or([0; 2], |surface| surface.size);
@@ -288,6 +302,9 @@ impl Bake<'_> {
             };
             let bar = Bar::new(of_all, quiet);
             let mut left = self.texels(&jobs);
+            // A .npy file does not say what it is of: its parts are kept until all objects are done.
+            let mut finished: Vec<Journal> = Vec::new();
+            let mut is_first = !skips;
             for job in &jobs {
                 let texels = self.texels(std::slice::from_ref(job));
                 let chosen = match self.goal {
@@ -316,7 +333,12 @@ impl Bake<'_> {
                 };
                 let sum = sum(job, chosen.samples);
                 let journal = Journal::open(&job.unfinished(), &sum)?;
-                interrupt::can_resume(ANEW);
+                match (is_first, finished.is_empty()) {
+                    (true, _) => interrupt::can_resume(ANEW),
+                    (false, true) => interrupt::can_resume(OTHERS),
+                    (false, false) => interrupt::keeps(OTHERS),
+                }
+                is_first = false;
                 if journal.found() > 0 {
                     interrupt::keeps(RESUME);
                     say(quiet, &format!("resuming {}\n", job.path.display()))?;
@@ -339,7 +361,11 @@ impl Bake<'_> {
                 // Partial results of a refused bake are useless, unless the problem is the range of half precision.
                 let baked = match baked {
                     Err(error @ Error::Invalid { .. }) => {
-                        return journal.remove().and(Err(error));
+                        finished.push(journal);
+                        return finished
+                            .into_iter()
+                            .try_for_each(Journal::remove)
+                            .and(Err(error));
                     }
                     baked => baked?,
                 };
@@ -349,7 +375,10 @@ impl Bake<'_> {
                 metadata.push(("source_table".into(), table.clone()));
                 metadata.push((FINGERPRINT.into(), hexadecimal(&sum)));
                 write(job, &metadata, bins.count, &baked)?;
-                journal.remove()?;
+                match extension(&job.path) == "npz" {
+                    true => journal.remove()?,
+                    false => finished.push(journal),
+                }
                 let (text, warnings) =
                     report((scene, &plan), job, (&baked, bins), &table, self.of_flash);
                 // The command that makes a film of a flash neither asks for sources nor has other ways to bake.
@@ -369,6 +398,7 @@ impl Bake<'_> {
                     warn(quiet, goal.missed_by(&baked, &chosen).as_slice());
                 }
             }
+            finished.into_iter().try_for_each(Journal::remove)?;
             warn(quiet, &prepared.warnings);
             Ok(())
         })
@@ -378,9 +408,11 @@ impl Bake<'_> {
 /// The metadata key for the fingerprint of a bake's inputs.
 const FINGERPRINT: &str = "bake_fingerprint";
 
-/// The messages about stopped work: once a part of it is kept, and before.
+/// The messages about stopped work: once a part of it is kept, before, and between objects.
 const RESUME: &str = "its finished parts are kept: run the same command again to resume";
 const ANEW: &str = "no part was finished; running the command again starts over";
+
+const OTHERS: &str = "finished objects are kept: run the same command again to bake the others";
 
 /// Counts rays as done once their part is kept, from which the work can be resumed.
 struct Kept<'a>(&'a Bar);
@@ -635,11 +667,16 @@ impl Job {
 
     /// The fingerprint of the bake that wrote its file, if that exists.
     fn fingerprint(&self) -> Option<String> {
+        self.said(FINGERPRINT)
+    }
+
+    /// An entry of the metadata of its file, if that exists.
+    fn said(&self, key: &str) -> Option<String> {
         // Metadata are no longer than a few scenes.
         let budget = Budget::new(1 << 26);
         let text = npy::load_text(&self.path, "metadata", &budget).ok()?;
         let said: serde_json::Value = serde_json::from_str(&text).ok()?;
-        said[FINGERPRINT].as_str().map(str::to_owned)
+        said[key].as_str().map(str::to_owned)
     }
 
     /// The number of samples among `possible` of the parts that are kept, if there are any.

@@ -800,3 +800,48 @@ fn what_cannot_be_baked_of_one_object_is_refused_before_the_others_are_baked() {
     folder.ok(&[&bake[..], &["--object=floor"]].concat());
     folder.ok(&[&bake[..], &["--atlas", "--plan"]].concat());
 }
+
+#[test]
+fn objects_that_are_done_are_not_baked_again_with_the_others() {
+    let folder = Folder::empty();
+    let chest = "[[object]]\nname = \"chest\"\nshape = { box = { size = [1, 1, 1] } }\n";
+    folder.write("lit.toml", format!("{FLASH}{chest}{LIGHT}"));
+    let bake = ["bake", "lit.toml", "--object=floor", "--object=chest"];
+    let bins = ["--bin-width=1 m", "--bins=40", "--texels=16x16"];
+    let bake = [&bake[..], &bins, &["--spp=4", "-o=a.npz"]].concat();
+    // Whose light a run made, and whose it found.
+    let run = |more: &[&str]| {
+        let said = folder.ok(&[&bake[..], more].concat());
+        ["floor", "chest"].map(|name| {
+            let is_made = said.contains(&format!("wrote a-{name}.npz"));
+            let is_found = said.contains(&format!("a-{name}.npz exists already"));
+            assert!(is_made != is_found, "{name}: {said}");
+            // How a scene reads it is said in any case.
+            assert!(
+                said.contains(&format!("name = \"light on {name}\"")),
+                "{said}"
+            );
+            is_made
+        })
+    };
+    assert_eq!(run(&[]), [true, true]);
+    let files = || ["a-floor.npz", "a-chest.npz"].map(|name| folder.read(name));
+    let whole = files();
+    std::fs::remove_file(folder.path("a-chest.npz")).unwrap();
+    assert_eq!(run(&["--threads=1"]), [false, true]);
+    assert!(files() == whole);
+    assert_eq!(run(&[]), [false, false]);
+    // A damaged file is not complete, and that of another object, scene or precision is not of this work.
+    let mut damaged = whole[0].clone();
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    folder.write("a-floor.npz", damaged);
+    assert_eq!(run(&[]), [true, false]);
+    folder.write("a-floor.npz", &whole[1]);
+    assert_eq!(run(&[]), [true, false]);
+    assert!(files() == whole);
+    assert_eq!(run(&["--half"]), [true, true]);
+    assert_eq!(run(&[]), [true, true]);
+    assert_eq!(run(&["--set=render.seed=9"]), [true, true]);
+    assert_eq!(folder.names(), ["a-chest.npz", "a-floor.npz", "lit.toml"]);
+}

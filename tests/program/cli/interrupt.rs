@@ -146,6 +146,39 @@ fn a_bake_that_is_stopped_can_be_resumed_once_a_part_is_kept_and_says_so_then_al
 }
 
 #[test]
+fn a_bake_that_is_stopped_at_its_second_object_keeps_the_first() {
+    let second = "[[object]]\nname = \"wall\"\nshape = { plane = { size = [4, 4] } }\ntransform = { translate = [0, -1, 0] }\n";
+    let folder = Folder::empty();
+    folder.write("lit.toml", format!("{LIT}{second}"));
+    let bake = ["bake", "lit.toml", "--bin-width=10 cm", "--bins=100"];
+    for kind in ["npz", "npy"] {
+        let name = |name: &str| format!("a-{name}.{kind}");
+        let output = format!("-o=a.{kind}");
+        let arguments = [&bake[..], &["--spp=16", "--texels=16x4000", &output]].concat();
+        let begun = folder.path(&(name("wall") + ".parts"));
+        let (_, output) = signalled(&folder, &arguments, "-INT", || until(|| begun.exists()));
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(said.contains(&format!("wrote {}", name("floor"))), "{said}");
+        let first = folder.read(&name("floor"));
+        let said = folder.ok(&arguments);
+        // What a .npy holds is put together again from its parts, and that of an archive is known.
+        let words = match kind {
+            "npz" => format!("{} exists already", name("floor")),
+            _ => format!("resuming {}", name("floor")),
+        };
+        assert!(said.contains(&words), "{said}");
+        assert!(
+            said.contains(&format!("resuming {}", name("wall"))),
+            "{said}"
+        );
+        assert!(folder.read(&name("floor")) == first);
+        let left = folder.names().into_iter();
+        let left: Vec<_> = left.filter(|name| name.ends_with(".parts")).collect();
+        assert!(left.is_empty(), "{left:?}");
+    }
+}
+
+#[test]
 fn building_stops_too() {
     let folder = Folder::empty();
     // Many spheres of 1.3 million triangles: minutes of work on trees, none of which looks at the flag.

@@ -426,7 +426,7 @@ impl<'a> Charts<'a> {
     /// Lists the triangles by the texels that they touch.
     ///
     /// # Errors
-    /// Triangles that overlap at the centre of a texel: most overlaps are found here, before any light is traced. More memory than is left.
+    /// Triangles that overlap at the centre of a texel (beside it, if there is only one): most overlaps are found here, before any light is traced. More memory than is left.
     fn list(&mut self) -> Result<()> {
         let texels = self.size[0] * self.size[1];
         self.take(size_of::<ChartTriangle>() * self.triangles.len())?;
@@ -434,13 +434,18 @@ impl<'a> Charts<'a> {
         // How many triangles touch each texel, and whether its centre is inside one.
         self.begins = vec![0; texels + 1];
         let mut centres = vec![false; texels];
+        // The centre of a single texel lies on the diagonals that divide squares, where no triangle has an inside.
+        let within = match texels {
+            1 => DVec2::new(0.5, 0.25),
+            _ => DVec2::splat(0.5),
+        };
         for k in 0..self.triangles.len() {
             for (i, columns) in self.triangles[k].reaches(self.size) {
                 self.take(size_of::<u32>() * columns.len())?;
                 for j in columns {
                     let texel = i * self.size[0] + j;
                     self.begins[texel] += 1;
-                    let centre = DVec2::new(j as f64 + 0.5, i as f64 + 0.5);
+                    let centre = DVec2::new(j as f64, i as f64) + within;
                     if self.triangles[k].barycentric(centre).is_some_and(is_inside)
                         && std::mem::replace(&mut centres[texel], true)
                     {

@@ -187,6 +187,7 @@ fn an_atlas_is_written_with_the_light_and_read_by_the_object() {
         (["--atlas", "-o=light.npy"], "end it in .npz"),
         (["--atlas", "--texels=6x6"], "--texels 9x9"),
         (["--threads=2", "--texels=6x6"], "--texels 9x9"),
+        (["--threads=2", "--texels=1x1"], "--texels 9x9"),
     ] {
         let run = folder.run(&[&bake[..], &options].concat());
         assert_eq!(run.code, 2);

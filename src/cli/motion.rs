@@ -67,9 +67,14 @@ pub fn run(mut arguments: FilmArguments) -> Result<()> {
     )?;
     reel::check(&arguments.output, &inputs::of(&scene, &plan))?;
     reel::tell_bits(&arguments.output, &scene, arguments.work.quiet.on)?;
+    // What cannot be shown beside the pictures is refused before any of them is rendered.
+    let diagrams = match (arguments.beside, arguments.motion.light) {
+        (Some(Beside::Diagram), false) => Some(diagrams(&arguments, &file, &scene)?),
+        _ => None,
+    };
     let takes = takes(&arguments, &scene)?;
     in_pool(arguments.work.threads.count, || {
-        film(&arguments, &file, &scene, &takes)
+        film(&arguments, &file, &scene, &takes, diagrams)
     })
 }
 
@@ -379,9 +384,19 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     })
 }
 
-/// Renders all takes, and assembles the film.
-fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Take]) -> Result<()> {
+/// Renders all takes, and assembles the film, with `diagrams` beside the pictures if there are any.
+fn film(
+    arguments: &FilmArguments,
+    file: &SceneFile,
+    scene: &Scene,
+    takes: &[Take],
+    diagrams: Option<Series>,
+) -> Result<()> {
     let count = u64::from(arguments.pictures);
+    let diagrams = match diagrams {
+        Some(series) => drawn(series, f64::from(scene.camera.size[1]))?,
+        None => Vec::new(),
+    };
     let folder = Folder::of(&arguments.output)?;
     let request = arguments.changes.request(arguments.work.threads.count);
     // Pictures of all takes are first written to the folder; existing ones are not rendered again.
@@ -405,10 +420,6 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
         };
         frames::run(&job, None)?;
     }
-    let diagrams = match arguments.beside {
-        Some(Beside::Diagram) => diagrams(arguments, file, scene)?,
-        _ => Vec::new(),
-    };
     // Then they are put side by side, one picture of the film at a time.
     let picture = |k: u64| {
         let mut panels = Vec::new();
@@ -462,8 +473,8 @@ fn label(arguments: &FilmArguments, scene: &Scene, take: &Take, k: u64) -> Strin
     }
 }
 
-/// The scene's diagram in the frame of each of the camera's speeds, as high as its pictures.
-fn diagrams(arguments: &FilmArguments, file: &SceneFile, scene: &Scene) -> Result<Vec<RgbImage>> {
+/// The scene's diagram in the frame of each of the camera's speeds, to be drawn as high as its pictures.
+fn diagrams(arguments: &FilmArguments, file: &SceneFile, scene: &Scene) -> Result<Series> {
     let Some(beta) = arguments.motion.speeds else {
         let what = "a diagram is boosted along with the speeds of one place and moment";
         return Err(refused(
@@ -476,13 +487,17 @@ fn diagrams(arguments: &FilmArguments, file: &SceneFile, scene: &Scene) -> Resul
     // Its text is as large as that below the picture, and its lines are as far apart as there is room for.
     let height = f64::from(scene.camera.size[1]);
     let page = (height / SMALLEST).clamp(PAGES[0], PAGES[1]);
-    let series = boosts(
+    boosts(
         file,
         &arguments.changes.overrides(),
         n * beta,
         arguments.pictures,
         Some(page),
-    )?;
+    )
+}
+
+/// The pictures of a series of diagrams, `height` pixels high.
+fn drawn(series: Series, height: f64) -> Result<Vec<RgbImage>> {
     let picture = |drawing: Result<nullray::figures::drawing::Drawing>| {
         let drawing = drawing?;
         let raster = png::render(&drawing, height / drawing.height)?;

@@ -242,6 +242,19 @@ fn a_film_can_show_rest_or_a_diagram_beside_its_pictures() {
 }
 
 #[test]
+fn a_diagram_that_cannot_stand_beside_the_pictures_is_refused_before_they_are_rendered() {
+    let folder = Folder::new();
+    for motion in ["--flyby", "--accelerate"] {
+        let film = ["film", "scene.toml", motion, "0.5", "--beside", "diagram"];
+        let run = folder.run(&[&film[..], &["--pictures", "2", "-o", "a.apng"]].concat());
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.message().contains("--speeds 0.9"), "{}", run.stderr);
+        assert_eq!(run.stdout, "");
+        assert_eq!(folder.names(), ["scene.toml"], "{motion}");
+    }
+}
+
+#[test]
 fn light_in_flight_is_found_where_no_times_are_given() {
     let folder = Folder::new();
     let film = "film scene.toml --light --pictures 5 --no-captions -o a.apng --set source.lamp.pulse.sigma=\"0.2 m\"";

@@ -164,9 +164,15 @@ pub fn samples(text: &str) -> Result<SampleList, String> {
     study::parse_samples(text).map(SampleList)
 }
 
-/// A relative error, as a part of 1: "1 %" or 0.01.
+/// A relative error, as a part of 1: "1 %" or 0.01. A number from 1 on needs its unit, because elsewhere (`--exposure 95`) it is a percentage.
 pub fn relative_error(text: &str) -> Result<f64, String> {
     let help = "write a percentage above 0 % and at most 100 %, like \"1 %\"";
+    if let Ok(said) = number(text, 1.0..=100.0, help) {
+        return Err(format!(
+            "without a unit this is a part of 1, so it must be below 1: write \"{said} %\" or {}",
+            said / 100.0
+        ));
+    }
     let (digits, unit) = match text.trim().strip_suffix('%') {
         Some(digits) => (digits, 0.01),
         None => (text, 1.0),
@@ -178,13 +184,13 @@ pub fn relative_error(text: &str) -> Result<f64, String> {
 /// The longest time to work, seconds: a month.
 const MONTH: f64 = 2.6e6;
 
-/// A time to work, in seconds: "60 s", "5 min" or "1 h", up to a month.
+/// A time to work, in seconds: "60 s", "5 min" or "1 h", up to a month; a bare number is one of seconds.
 pub fn work_time(text: &str) -> Result<f64, String> {
-    let help = "a time with its unit, like \"60 s\", \"5 min\" or \"1 h\"";
+    let help = "a time like \"60 s\", \"5 min\" or \"1 h\"";
     let text = text.trim();
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let unit = match &text[digits.len()..] {
-        "s" => 1.0,
+        "" | "s" => 1.0,
         "min" => 60.0,
         "h" => 3600.0,
         _ => return Err(help.into()),
@@ -197,11 +203,6 @@ pub fn passes(text: &str) -> Result<u32, String> {
     let number = text.trim().parse::<u32>().ok();
     let even = number.filter(|n| (2..=65_536).contains(n) && n % 2 == 0);
     even.ok_or("passes come in pairs: an even number from 2 to 65536".into())
-}
-
-/// A number of seconds, up to a month.
-pub fn seconds(text: &str) -> Result<f64, String> {
-    number(text, 0.0..=MONTH, "a number of seconds, like 60")
 }
 
 pub fn aovs(text: &str) -> Result<AovList, String> {

@@ -75,7 +75,7 @@ pub struct GoalArguments {
     /// one in 16 texels finds the number, a power of two; with --spp and that number the light has the same bits.
     #[arg(long, value_name = "PERCENT", conflicts_with_all = ["spp", "pixel_centers"], value_parser = values::relative_error)]
     pub error: Option<f64>,
-    /// As many samples as are expected to fit in this time: "60 s", "5 min" or "1 h"; with --error, no more than that needs.
+    /// As many samples as are expected to fit in this time: "60 s", "5 min" or "1 h" (without a unit, in seconds); with --error, no more than that needs.
     #[arg(long, value_name = "TIME", conflicts_with_all = ["spp", "pixel_centers"], value_parser = values::work_time)]
     pub budget: Option<f64>,
 }

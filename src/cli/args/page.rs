@@ -66,7 +66,7 @@ pub struct PageArguments {
     #[command(flatten)]
     pub exposure: ExposureArgument,
     /// Maximum size of the page, megabytes.
-    #[arg(long, value_name = "MB", default_value_t = 10.0, value_parser = values::seconds)]
+    #[arg(long, value_name = "MB", default_value_t = 10.0, value_parser = values::not_negative)]
     pub max_size: f64,
     #[command(flatten)]
     pub changes: Changes,

@@ -93,11 +93,11 @@ pub struct RenderArguments {
 #[command(next_help_heading = "Progressive rendering")]
 pub struct PassArguments {
     /// Render passes of --spp samples until the standard error of each tile of 16 x 16 pixels is at most this fraction of
-    /// its radiance, or of the picture's mean where that is larger: "1 %". Noisy tiles get more passes. The files improve
+    /// its radiance, or of the picture's mean where that is larger: "1 %" or 0.01. Noisy tiles get more passes. The files improve
     /// with every pass; after Ctrl-C, run the same command again to resume.
     #[arg(long, value_name = "PERCENT", value_parser = values::relative_error)]
     pub error: Option<f64>,
-    /// Render passes for this long: "60 s", "5 min" or "1 h"; but at least two.
+    /// Render passes for this long: "60 s", "5 min" or "1 h"; but at least two. Without a unit, in seconds.
     #[arg(long, value_name = "TIME", value_parser = values::work_time)]
     pub budget: Option<f64>,
     /// Render at most this many passes, an even number. `nullray info` says how many a file has; the same number gives

@@ -27,8 +27,8 @@ pub struct StudyArguments {
     /// Runs of each method and number of samples, as far as the budget allows.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub runs: u32,
-    /// Time limit for the measurements in seconds, not counting the reference.
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = values::seconds)]
+    /// Time limit for the measurements, not counting the reference: "60 s", "5 min" or "1 h"; without a unit, in seconds.
+    #[arg(long, value_name = "TIME", default_value = "60 s", value_parser = values::work_time)]
     pub budget: f64,
     /// Samples per pixel of the reference picture.
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]

@@ -165,7 +165,30 @@ fn a_budget_ends_after_whole_passes_whose_number_gives_the_bits() {
     let first = folder.read("a.npz");
     folder.ok(&[&TO_NPZ[..], &["--passes", &passes]].concat());
     assert!(first == folder.read("a.npz"), "{passes} passes");
+    // Seconds without their unit, here none: the fewest passes.
+    let said = folder.ok(&[&TO_NPZ[..], &["--budget", "0"]].concat());
+    assert!(said.contains("2 passes, standard error"), "{said}");
     assert!(!folder.path("a.npz.passes").exists());
+}
+
+#[test]
+fn a_study_has_a_budget_as_a_render_has() {
+    let folder = folder();
+    let study = [
+        "study",
+        "soft.toml",
+        "--size=8x6",
+        "--methods=trace",
+        "--samples=1",
+        "--runs=1",
+    ];
+    for budget in ["5 s", "5", "1 min"] {
+        let more = ["--reference-spp=1", "--budget", budget, "-o", "a.csv"];
+        folder.ok(&[&study[..], &more].concat());
+    }
+    let run = folder.run(&["study", "soft.toml", "--budget", "5 cm"]);
+    assert_eq!(run.code, 2);
+    assert!(run.message().contains("a time like"), "{}", run.stderr);
 }
 
 #[test]
@@ -174,7 +197,10 @@ fn passes_of_what_does_not_improve_are_refused() {
     for (arguments, message) in [
         (&["--passes", "3"][..], "in pairs"),
         (&["--error", "0 %"], "above 0 %"),
-        (&["--budget", "60"], "with its unit"),
+        (&["--error", "1"], "write \"1 %\" or 0.01"),
+        (&["--error", "2.5"], "write \"2.5 %\" or 0.025"),
+        (&["--error", "200"], "at most 100 %"),
+        (&["--budget", "60 m"], "a time like \"60 s\""),
         (
             &["--error", "1 %", "--frames", "0..3", "--interval", "1 m"],
             "a sequence",

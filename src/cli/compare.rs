@@ -19,11 +19,17 @@ use serde::Serialize;
 use super::args::CompareArguments;
 use super::check::Names;
 use super::failure::{Done, refused};
+use super::film::in_pool;
 use super::output::extension;
-use super::{builtin, flags, inputs, interrupt, print, print_json};
+use super::{builtin, flags, inputs, interrupt, print_json, say};
 
 /// Compares, writes the outputs, and returns whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
+    in_pool(arguments.work.threads.count, || run_here(arguments))
+}
+
+/// The same, on rayon's current thread pool.
+fn run_here(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments, &[])?;
     let (budget, [reference, candidate]) = pair(arguments)?;
     let scene = scene(arguments, &reference)?;
@@ -48,7 +54,7 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
             comparison: &comparison,
             breaches: &breaches,
         })?,
-        false => print(&report::table(&comparison))?,
+        false => say(arguments.work.quiet.on, &report::table(&comparison))?,
     }
     write(arguments, &comparison, &breaches, [&reference, &candidate])?;
     for breach in &breaches {

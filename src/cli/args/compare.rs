@@ -6,7 +6,7 @@ use clap::Args;
 use nullray::spacetime::units::Time;
 use nullray::validate::compare::{Encoding, NotFinite, Tolerance};
 
-use super::shared::{Json, MemoryLimit};
+use super::shared::{Json, MemoryLimit, WorkArguments};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
@@ -72,4 +72,6 @@ pub struct CompareArguments {
     /// Write everything as one self-contained page.
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub work: WorkArguments,
 }

@@ -53,6 +53,28 @@ fn message(output: &Output) -> String {
 }
 
 #[test]
+fn a_comparison_does_not_depend_on_threads_and_can_be_quiet() {
+    let folder = folder();
+    let pair = ["exact.exr", "mine.exr"];
+    let [one, two, quiet, json] = [
+        &["--threads", "1"][..],
+        &["--threads", "2"],
+        &["-q"],
+        &["--quiet", "--json"],
+    ]
+    .map(|options| run(folder.path(), &[&pair[..], options].concat()));
+    assert!(one.stdout == two.stdout && !one.stdout.is_empty());
+    assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    assert!(text(&json.stdout).starts_with('{'));
+    // What is not within a tolerance is said, and by the exit code, too.
+    let limit = ["-q", "--tolerance", "rmse=1e-9"];
+    let quiet = run(folder.path(), &[&pair[..], &limit].concat());
+    assert_eq!(code(&quiet), 1);
+    assert!(message(&quiet).contains("not within tolerance"));
+    assert!(quiet.stdout.is_empty());
+}
+
+#[test]
 fn all_formats_are_compared() {
     let folder = folder();
     for extension in ["exr", "npz", "png"] {

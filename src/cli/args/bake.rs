@@ -10,6 +10,8 @@ use super::shared::{SceneArguments, WorkArguments};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
+// Options of every scene that a bake refuses, with the reason, are not shown.
+#[command(mut_arg("exposure", |it| it.hide(true)), mut_arg("white", |it| it.hide(true)), mut_arg("time", |it| it.hide(true)))]
 #[command(mut_arg("flash", |flash| flash.help("Bake the light of a flash on a model without a scene, as `nullray render MODEL --flash` does; the lamp, bins and samples are chosen automatically").conflicts_with_all(["camera", "object", "uv", "atlas", "start", "bin_width", "bins", "half"])))]
 pub struct BakeArguments {
     #[command(flatten)]

@@ -537,6 +537,15 @@ fn options_that_change_nothing_of_what_is_baked_are_refused() {
 }
 
 #[test]
+fn the_help_of_bake_shows_no_option_that_it_refuses() {
+    let help = Folder::empty().ok(&["bake", "--help"]);
+    for option in ["--exposure", "--white", "--time "] {
+        assert!(!help.contains(option), "{option}: {help}");
+    }
+    assert!(help.contains("--spp"), "{help}");
+}
+
+#[test]
 fn backs_have_light_of_their_own() {
     // One lamp above the sheet, and a brighter one below it, seen from both sides; then one below it alone.
     let below = FLASH.replace("eye = [0, 2, 4]", "eye = [0, -2, 4]");

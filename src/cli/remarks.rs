@@ -166,7 +166,7 @@ fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> String {
         };
         format!(
             "the light of \"{}\" reaches what is in view with {times} times its emitted wavelength: none of its spectrum is visible \
-             there, and what is shown of it, if anything, is too dim for any eye, or made up (see radiance.continuation and \
+             there, and what is shown of it, if anything, is too dim for any eye, or extrapolated (see radiance.continuation and \
              display.false_colour)\n",
             super::info::escaped(&scene.lights[light].name),
         )
@@ -234,10 +234,10 @@ fn out_of_sight(scene: &Scene, [low, high]: [f64; 2], is_black: bool) -> String 
     let (violet, red) = (380e-9, 780e-9);
     let seen = seen_as_emitted(scene);
     let middle = (low * high).sqrt();
-    let made_up = match scene.continuation {
+    let continued = match scene.continuation {
         Continuation::Dark => "dark",
-        Continuation::Edge => "made up as constant",
-        Continuation::Blackbody => "made up by Planck's law at 6504 K",
+        Continuation::Edge => "extrapolated as constant",
+        Continuation::Blackbody => "extrapolated by Planck's law at 6504 K",
         Continuation::Companions => "dark but for infrared and ultraviolet channels",
     };
     let shown = match is_black {
@@ -251,7 +251,7 @@ fn out_of_sight(scene: &Scene, [low, high]: [f64; 2], is_black: bool) -> String 
     let shown_as = middle * GREEN;
     let (unit, name) = unit_of(shown_as);
     format!(
-        "W = {ratios} shifts visible light to {}, out of sight; {shown} was emitted at {}, where colours are {made_up} \
+        "W = {ratios} shifts visible light to {}, out of sight; {shown} was emitted at {}, where colours are {continued} \
          (radiance.continuation): try display.false_colour = \"{} {name}\", or radiance.quantity = \"luminance\", which keeps hues",
         span([low * violet, high * red]),
         span([violet * seen / high, red * seen / low]),

@@ -10,7 +10,7 @@ use nullray::render::trace::Background;
 use nullray::render::{enclosed, survey};
 use nullray::scene::model::{
     BackFaces, Brightness, EmissionProfile, Geometry, Light, LightKind, Motion, Object, Scene, Sky,
-    SkyRadiance, Spectra,
+    SkyRadiance, Source, SourceKind, Spectra,
 };
 use nullray::spacetime::{Quantity, Velocity};
 
@@ -61,11 +61,19 @@ pub fn blackness(
         "what is in view shines, but none of its light is visible".into()
     } else if prepared.is_some_and(|p| is_shut_in(scene, p)) {
         "all light is inside objects, whose outside it does not light".into()
+    } else if is_from_data(scene) && prepared.is_some_and(|p| p.light.has_dark_data()) {
+        "the data of what is in view are dark: all their numbers are 0".into()
     } else {
         let missing = film.mean_coverage().and_then(missing);
         missing.unwrap_or_else(|| unlit(scene, is_sky_black)).into()
     };
     format!("the picture is black: {why}\n")
+}
+
+/// Whether all light of surfaces is of cubes.
+fn is_from_data(scene: &Scene) -> bool {
+    let is_cube = |source: &Source| matches!(source.kind, SourceKind::Cube(_));
+    !scene.is_lit() && scene.sources.iter().all(is_cube)
 }
 
 /// Whether false colours show surfaces that reflect the light on them without its spectrum.

@@ -32,7 +32,7 @@ use super::film::in_pool;
 use super::names::{in_file_name, named_after, suffixed};
 use super::output::{Identity, Inputs, Outputs, extension};
 use super::progress::Bar;
-use super::{inputs, interrupt, print, say, warn};
+use super::{inputs, interrupt, print, remarks, say, warn};
 
 /// The content of one baked file.
 pub struct Job {
@@ -274,6 +274,7 @@ impl Bake<'_> {
         in_pool(self.work.threads.count, || {
             let mut prepared = Prepared::new(scene, &plan, &Bar::new(0, true))?;
             self.check(&prepared, &mut jobs)?;
+            say(quiet, &remarks::enclosed(scene, &prepared))?;
             // Of several objects those that an earlier run finished are kept, as frames of a sequence are.
             let all = jobs.len();
             if jobs.len() > 1 && !self.of_flash {

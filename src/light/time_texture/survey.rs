@@ -87,6 +87,11 @@ pub fn of_samples_with(
     remarks
 }
 
+/// Whether every sample examined of a cube in memory is 0.
+pub(crate) fn is_dark(cube: &CubeStore) -> bool {
+    cube.on_disk().is_none() && Light::of(&mut Lines::new(cube)).total == 0.0
+}
+
 /// Whether the bytes of samples are in the wrong order.
 fn byte_order(lines: &mut Lines) -> Option<String> {
     let bytes = lines.store.sample_bytes();

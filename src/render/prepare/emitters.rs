@@ -16,6 +16,7 @@ use crate::io::image::Texture;
 use crate::light::lamp::{Emission, Lamp};
 use crate::light::reflection::reflectance_of_index;
 use crate::light::sky::Sky;
+use crate::light::time_texture::survey;
 use crate::mesh::{AlphaMode, Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, shown_by};
 use crate::render::progress::Progress;
@@ -68,6 +69,12 @@ impl SurfaceLight {
         cubes
             .iter()
             .any(|cube| cube.reconstruction() == Reconstruction::Footprint)
+    }
+
+    /// Whether there are cubes, and every sample examined of them is 0: of those in memory some thousands of pixels.
+    pub fn has_dark_data(&self) -> bool {
+        let cubes = self.time_resolved().map_or(&[][..], |light| &light.cubes);
+        !cubes.is_empty() && cubes.iter().all(|cube| survey::is_dark(cube.cube()))
     }
 
     /// Whether data could not be read on demand.

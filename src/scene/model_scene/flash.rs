@@ -16,7 +16,9 @@ use super::framing::framing;
 use super::fronts::{Lit, Show, Source};
 use super::motion::Motion;
 use super::subject::{Ball, Subject};
-use super::text::{FlashLight, MADE_FOR_MODEL, ModelScene, brightness, vector, write_light};
+use super::text::{
+    EMISSION, FlashLight, MADE_FOR_MODEL, ModelScene, brightness, light_names, vector, write_light,
+};
 use super::view::{Flash, VIEWPOINT};
 use crate::error::{Error, Result};
 use crate::io::gltf::{self, GltfLight, GltfLightKind, GltfSummary};
@@ -97,14 +99,14 @@ pub(super) fn flashing(
         .chain(panels)
         .map(|p| p.distance(centre))
         .reduce(f64::min);
-    for light in &lights {
+    for (light, name) in lights.iter().zip(light_names(&lights)) {
         let front = Source::of(light, 0.0);
         let time = match is_far(light) {
             true => nearest.unwrap_or(0.0) - front.arrival(centre),
             false => 0.0,
         };
         // Writing to a string cannot fail.
-        let _ = write_light(&mut lamps, light);
+        let _ = write_light(&mut lamps, light, &name);
         let _ = writeln!(
             lamps,
             "emission = {{ gaussian = {{ time = \"{time:?} m\", sigma = \"{sigma:?} m\" }} }}"
@@ -121,7 +123,7 @@ pub(super) fn flashing(
         };
         let _ = write!(
             lamps,
-            "\n# Its surface shines with {said}.\n[[light]]\nname = \"emission\"\ntype = \"area\"\nobject = \"model\"\n{radiance}emission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n"
+            "\n# Its surface shines with {said}.\n[[light]]\nname = \"{EMISSION}\"\ntype = \"area\"\nobject = \"model\"\n{radiance}emission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n"
         );
     }
     if shines {

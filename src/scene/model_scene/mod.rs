@@ -24,7 +24,7 @@ use self::motion::Motion;
 use self::subject::Subject;
 pub(crate) use self::text::MADE_FOR_MODEL;
 pub use self::text::{FlashLight, ModelScene};
-use self::text::{brightness, vector, write_light};
+use self::text::{brightness, light_names, vector, write_light};
 pub use self::view::{Flash, Heading, ModelView};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
@@ -100,8 +100,8 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
     if lights.is_empty() {
         let _ = writeln!(text, "sun = {{ direction = {} }}", vector(SUN));
     }
-    for light in &lights {
-        let _ = write_light(&mut text, light);
+    for (light, name) in lights.iter().zip(light_names(&lights)) {
+        let _ = write_light(&mut text, light, &name);
     }
     let [white, dark] = camera.ratios.map(|w| brightness(quantity, w));
     let range = white / dark;

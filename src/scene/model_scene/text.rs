@@ -8,8 +8,10 @@
 use std::fmt::Write;
 
 use glam::DVec3;
+use toml_edit::Value;
 
 use crate::io::gltf::{GltfLight, GltfLightKind};
+use crate::scene::names;
 use crate::spacetime::Quantity;
 use crate::spacetime::units::{Angle, LARGEST, SMALLEST};
 
@@ -93,11 +95,31 @@ pub(super) fn brightness(quantity: Quantity, w: f64) -> f64 {
     }
 }
 
-/// Writes a light of the file as a light of the scene.
-pub(super) fn write_light(text: &mut String, light: &GltfLight) -> std::fmt::Result {
+/// The light of a scene with what its materials emit.
+pub(super) const EMISSION: &str = "emission";
+
+/// The names of the file's lights in the scene, all different; "" for those that have none.
+pub(super) fn light_names(lights: &[GltfLight]) -> Vec<String> {
+    let own = lights.iter().map(|light| (None, light.name.clone()));
+    let taken = (Some(EMISSION.into()), String::new());
+    let unique = names::unique(std::iter::once(taken).chain(own).collect());
+    let named = unique.into_iter().skip(1).zip(lights);
+    named
+        .map(|(name, light)| match light.name.is_empty() {
+            true => String::new(),
+            false => name,
+        })
+        .collect()
+}
+
+/// Writes a light of the file as a light of the scene with this name, if it has one.
+pub(super) fn write_light(text: &mut String, light: &GltfLight, name: &str) -> std::fmt::Result {
     let direction = vector(light.direction);
     let intensity = vector(DVec3::from_array(light.intensity));
     writeln!(text, "\n[[light]]")?;
+    if !name.is_empty() {
+        writeln!(text, "name = {}", Value::from(name))?;
+    }
     match light.kind {
         GltfLightKind::Directional => {
             writeln!(text, "type = \"directional\"\ndirection = {direction}")?;

@@ -785,6 +785,94 @@ fn light_from_afar_comes_with_that_of_near_lamps() {
 }
 
 #[test]
+fn lights_of_a_model_keep_their_names() {
+    let folder = folder(1.0);
+    let mut model: serde_json::Value = serde_json::from_slice(&folder.read("model.gltf")).unwrap();
+    let lamp = |name: &str| json!({ "name": name, "extensions": { "KHR_lights_punctual": { "light": 0 } } });
+    model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    model["extensions"] =
+        json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "name": "bulb" }] } });
+    let names = ["left \"one\"", "same", "same", "emission", ""];
+    model["nodes"] = json!([{ "mesh": 0 }]);
+    let nodes = model["nodes"].as_array_mut().unwrap();
+    nodes.extend(names.map(lamp));
+    folder.write("lamps.gltf", model.to_string());
+    for flash in [&[][..], &["--flash"]] {
+        let printed = folder.ok(&[&["render", "lamps.gltf", "--print-scene"], flash].concat());
+        if flash.is_empty() {
+            let own = printed.lines().filter(|line| line.starts_with("name = "));
+            let own: Vec<&str> = own.map(|line| &line[7..]).collect();
+            let wanted = [
+                "'left \"one\"'",
+                "\"same\"",
+                "\"same-2\"",
+                "\"emission-2\"",
+                "\"bulb\"",
+            ];
+            assert_eq!(own, wanted);
+        }
+    }
+    folder.ok(&["bake", "lamps.gltf", "--flash", "--plan"]);
+}
+
+#[test]
+fn a_flash_of_a_lamp_inside_a_closed_body_says_why_it_is_black() {
+    let folder = folder(1.0);
+    // A tetrahedron with its lamp in the middle.
+    let corners: [[f32; 3]; 4] = [
+        [1.0, 1.0, 1.0],
+        [1.0, -1.0, -1.0],
+        [-1.0, 1.0, -1.0],
+        [-1.0, -1.0, 1.0],
+    ];
+    let faces: [[u16; 3]; 4] = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+    let mut bytes: Vec<u8> = corners
+        .as_flattened()
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    bytes.extend(faces.as_flattened().iter().flat_map(|i| i.to_le_bytes()));
+    folder.write("body.bin", &bytes);
+    let model = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0, 1] }],
+        "nodes": [
+            { "mesh": 0, "name": "body" },
+            { "name": "bulb", "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        ],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "point" }] } },
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0 } }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, -1], "max": [1, 1, 1] },
+            { "bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR" },
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": 48 },
+            { "buffer": 0, "byteOffset": 48, "byteLength": 24 },
+        ],
+        "buffers": [{ "byteLength": 72, "uri": "body.bin" }],
+    });
+    folder.write("body.gltf", model.to_string());
+    let mut arguments = vec![
+        "render",
+        "body.gltf",
+        "--flash",
+        "--texels",
+        "16x16",
+        "-o",
+        "a.apng",
+    ];
+    arguments.extend(SIZE);
+    let said = folder.ok(&arguments);
+    assert!(said.contains("lamp \"bulb\" is inside \"model\""), "{said}");
+    let why = "the picture is black: the data of what is in view are dark: all their numbers are 0";
+    assert!(said.contains(why), "{said}");
+}
+
+#[test]
 fn flashes_that_show_nothing_are_refused() {
     let folder = folder(1.0);
     folder.write("scene.toml", super::SMALL);

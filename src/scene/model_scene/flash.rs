@@ -17,7 +17,8 @@ use super::fronts::{Lit, Show, Source};
 use super::motion::Motion;
 use super::subject::{Ball, Subject};
 use super::text::{
-    EMISSION, FlashLight, MADE_FOR_MODEL, ModelScene, brightness, light_names, vector, write_light,
+    EMISSION, FlashLight, MADE_FOR_MODEL, ModelScene, backs_of, brightness, light_names, vector,
+    write_light,
 };
 use super::view::{Flash, VIEWPOINT};
 use crate::error::{Error, Result};
@@ -132,9 +133,14 @@ pub(super) fn flashing(
         sources.extend(shining.points.iter().map(|p| Source::point(*p, each)));
     }
     if sources.is_empty() {
-        let place = centre + FLASH * radius;
-        // A white surface in the middle that faces the flash has a radiance of about 1 at the peak.
-        let intensity = 8.0 * sigma * FLASH.length_squared() * radius * radius;
+        let from_middle = match subject.is_room {
+            true => DVec3::ZERO,
+            false => FLASH,
+        };
+        let place = centre + from_middle * radius;
+        // A white surface in the middle that faces the flash, or a wall, has a radiance of about 1 at the peak.
+        let distance = from_middle.length_squared().max(1.0) * radius * radius;
+        let intensity = 8.0 * sigma * distance;
         let _ = write!(
             lamps,
             "\n[[light]]\nname = \"flash\"\nposition = {}\nintensity = {intensity:?}\nemission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n",
@@ -256,6 +262,8 @@ pub(super) fn flashing(
         text,
         range: Some(FLASH_RANGE),
         white,
+        least_white: 0.0,
+        display: backs_of(subject.is_room).into(),
         flash: Some(light),
     })
 }

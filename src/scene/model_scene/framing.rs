@@ -1,6 +1,13 @@
 //! The camera that has a whole model in view.
 //!
-//! It looks from a fixed side at the centre C of the model's bounding box. A model at rest looks the same from an event at any time, so that
+//! At rest it looks from a fixed side at the centre C of the model's bounding box. A moving camera that takes a still looks from the nearest
+//! side from which C has about its own colour: along the angle θ to the motion β n from C to the camera
+//!
+//! ```text
+//! W = 1/(γ (1 − β cos θ)),   cos θ = (1 − 1/(γ W))/β.
+//! ```
+//!
+//! A model at rest looks the same from an event at any time, so that
 //! a moving camera at that event sees a vertex that lies in the direction l in the aberrated direction l′ = Λ l ([`Boost::direction`]).
 //! Straight edges appear curved, so points along long edges are included. Of all points, those farthest from C in each small cone of directions
 //! form the outline (a few thousand).
@@ -9,7 +16,7 @@
 //! The distance at which the outline fills the picture is found by bisection: the nearer the camera, the more it fills. What is ahead of a fast
 //! camera appears small: to fill the picture, the camera would have to be so near that it sees the model from many sides at once, one part
 //! blueshifted and another dark. The camera therefore stays where the model lies within a cone ([`WIDEST`]) and its wavelength ratios
-//! within a factor ([`SPREAD`]), and narrows its field of view instead.
+//! within a factor ([`STILL_SPREAD`]), and narrows its field of view instead.
 
 use std::fmt::Write;
 
@@ -32,8 +39,14 @@ const TURNS: usize = 8;
 const SIDEWAYS: f64 = 0.02;
 /// Largest angular radius of the model's bounding sphere as seen at rest, degrees: the camera is not nearer than 1.74 r.
 const WIDEST: f64 = 35.0;
-/// Largest quotient of two wavelength ratios W of the model.
+/// Largest quotient of two wavelength ratios W of the model in a film of a flash, and in a still: colours from red to blue, with none
+/// shifted out of sight and none bleached.
 const SPREAD: f64 = 4.0;
+const STILL_SPREAD: f64 = 2.2;
+/// The least and the greatest W of the middle of a still.
+const CENTRE: [f64; 2] = [0.9, 1.1];
+/// Motion at a smaller angle to the line of sight, radians, is along it.
+const STRAIGHT: f64 = 1e-3;
 /// Beyond this W colours keep their hue.
 const REDDEST: f64 = 5.0;
 
@@ -103,7 +116,11 @@ pub(super) fn framing(
     [width, height]: [u32; 2],
     show: Option<&Show>,
 ) -> Framing {
-    let away = VIEWPOINT.normalize();
+    // A film of a flash begins and ends elsewhere in any case.
+    let (away, spread) = match show {
+        Some(_) => (VIEWPOINT.normalize(), SPREAD),
+        None => (viewpoint(motion.as_ref()), STILL_SPREAD),
+    };
     let Ball { centre, radius } = subject.ball;
     let aspect = f64::from(width) / f64::from(height);
     // Half the extents of the film at the distance 1.
@@ -125,7 +142,7 @@ pub(super) fn framing(
     };
     let widest = WIDEST.to_radians();
     let fits = |alpha: f64| {
-        let is_fit = |look: Look| look.filled < FILLED && look.ratios[1] < SPREAD * look.ratios[0];
+        let is_fit = |look: Look| look.filled < FILLED && look.ratios[1] < spread * look.ratios[0];
         look(alpha).1.is_some_and(is_fit)
     };
     let alpha = bisect(widest, fits);
@@ -153,6 +170,22 @@ pub(super) fn framing(
         times: span.map(|span| [span.zero, span.first / gamma]),
         reach: eye.distance(centre),
         ratios,
+    }
+}
+
+/// From the model to the camera of a still.
+fn viewpoint(motion: Option<&Motion>) -> DVec3 {
+    let away = VIEWPOINT.normalize();
+    let Some(Motion { beta, gamma, n }) = motion else {
+        return away;
+    };
+    let [least, most] = CENTRE.map(|w| (1.0 - 1.0 / (gamma * w)) / beta);
+    let along = away.dot(*n).clamp(least.max(-1.0), most.min(1.0));
+    let across = away.reject_from_normalized(*n);
+    // Towards the model and away from it there is no other side.
+    match across.length() < STRAIGHT {
+        true => away,
+        false => *n * along + across.normalize() * (1.0 - along * along).max(0.0).sqrt(),
     }
 }
 

@@ -11,20 +11,22 @@ mod tests;
 mod text;
 mod view;
 
+use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use toml_edit::Value;
 
 use self::flash::{Model, flashing};
 use self::flyby::passing;
 use self::framing::framing;
 use self::motion::Motion;
-use self::subject::Subject;
+use self::subject::{Ball, Subject};
 pub(crate) use self::text::MADE_FOR_MODEL;
 pub use self::text::{FlashLight, ModelScene};
-use self::text::{brightness, light_names, vector, write_light};
+use self::text::{backs_of, brightness, light_names, vector, write_light};
+use self::view::VIEWPOINT;
 pub use self::view::{Flash, Heading, ModelView};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
@@ -32,17 +34,22 @@ use crate::io::gltf;
 use crate::mesh::Factors;
 use crate::spacetime::Quantity;
 
-/// How many times as bright one part of the model may be as another, because of their wavelength ratios alone, on a linear display.
-const LINEAR: f64 = 20.0;
+/// How many times as bright one part of the model may be as another, because of their wavelength ratios alone, on a linear display. That of
+/// stills has room for W from 0.67 to 1.48.
+const LINEAR: f64 = 30.0;
+/// The least radiance that is displayed as white, relative to that of a white surface in the sun: dark models look dark.
+const LEAST_WHITE: f64 = 0.5;
 /// How many times darker black is on a logarithmic display: room for shadows.
 const SHADOWS: f64 = 100.0;
 /// Beyond nine decades neighbouring radiances would share a code.
 const DECADES: f64 = 1e9;
 /// Bounces for a model with glass: enough to see through two hollow bodies of four surfaces each.
 const GLASS_BOUNCES: u32 = 8;
+/// Samples per pixel of a model of metal: each is one direction of what it mirrors.
+const METAL_SAMPLES: u32 = 16;
 /// The default picture size.
 const SIZE: [u32; 2] = [640, 480];
-/// The direction of the sun for a model without its own lights: above the viewer's right shoulder.
+/// The direction of the sun for a model without its own lights, seen from [`VIEWPOINT`]: above the viewer's right shoulder.
 const SUN: DVec3 = DVec3::new(1.0, 1.4, 0.9);
 
 /// The scene for the glTF file at `path`, viewed according to `view`. The path is written into the scene as given, so the scene file belongs
@@ -97,18 +104,60 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
     }
     let lights = gltf::lights(path)?;
     let _ = writeln!(text, "\n[sky]\ngradient = {{}}");
-    if lights.is_empty() {
-        let _ = writeln!(text, "sun = {{ direction = {} }}", vector(SUN));
+    let is_sunlit = lights.is_empty() && !subject.is_room;
+    if is_sunlit {
+        let sun = over_shoulder(camera.eye - subject.ball.centre);
+        let _ = writeln!(text, "sun = {{ direction = {} }}", vector(sun));
+    }
+    if subject.is_room && lights.is_empty() {
+        let _ = write!(text, "{}", room_lamp(&subject.ball));
     }
     for (light, name) in lights.iter().zip(light_names(&lights)) {
         let _ = write_light(&mut text, light, &name);
     }
     let [white, dark] = camera.ratios.map(|w| brightness(quantity, w));
     let range = white / dark;
+    let is_linear = range <= LINEAR;
+    // The brightness of a white surface in the middle.
+    let middle = brightness(quantity, (camera.ratios[0] * camera.ratios[1]).sqrt());
+    let is_unlit = held.unlit.len() == held.materials.len();
+    let least_white = match is_linear {
+        true if is_unlit => middle,
+        true if is_sunlit => LEAST_WHITE * middle,
+        _ => 0.0,
+    };
+    let mut display = backs_of(subject.is_room).to_owned();
+    let is_metal = |factors: &Factors| factors.metallic > 0.5;
+    if held.factors.iter().all(is_metal) && !held.has_gloss_textures {
+        let _ = writeln!(display, "samples_per_pixel = {METAL_SAMPLES}");
+    }
     Ok(ModelScene {
         text,
-        range: (range > LINEAR).then(|| (range * SHADOWS).min(DECADES)),
+        range: (!is_linear).then(|| (range * SHADOWS).min(DECADES)),
         white,
+        least_white,
+        display,
         flash: None,
     })
+}
+
+/// The direction of the sun for a viewer in this direction from the model.
+fn over_shoulder(away: DVec3) -> DVec3 {
+    let azimuth = |v: DVec3| libm::atan2(v.x, v.z);
+    let turn = azimuth(away) - azimuth(VIEWPOINT);
+    // Of a viewer who has not turned, to the last digit.
+    match turn.abs() < 1e-9 {
+        true => SUN,
+        false => DQuat::from_rotation_y(turn) * SUN,
+    }
+}
+
+/// The lamp of a room without lights, which makes a white wall at the distance of its corners as bright as the sun would.
+fn room_lamp(ball: &Ball) -> String {
+    let Ball { centre, radius } = *ball;
+    let intensity = PI * radius * radius;
+    format!(
+        "lights = false\n\n[[light]]\nname = \"lamp\"\ntype = \"point\"\nposition = {}\nintensity = {intensity:?}\n",
+        vector(centre)
+    )
 }

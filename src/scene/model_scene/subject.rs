@@ -1,8 +1,9 @@
 //! What the camera frames: a sphere around a model, and its outline.
 //!
 //! A model on a wide, level ground is framed without the ground: triangles at the very bottom are left out if all others fit into a sphere with
-//! a quarter of the radius.
+//! a quarter of the radius. A room whose walls face inwards is seen through those that are turned away, and lit from its middle.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::DVec3;
@@ -26,6 +27,8 @@ const EYE: f64 = 2.5;
 /// fraction of its radius above its bottom at most.
 const COVERED: f64 = 0.5;
 const THICK: f64 = 0.03;
+/// The winding number about the middle of a room: between that of a flat box without its largest face and that of a corner.
+const ROOM: f64 = -0.6;
 
 /// A sphere around all triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +48,8 @@ pub(super) struct Subject {
     pub(super) floor: Option<f64>,
     /// The height of a wide ground that is left out.
     pub(super) ground: Option<f64>,
+    /// Whether it is a room: its walls surround the middle and face it.
+    pub(super) is_room: bool,
     /// What of its surface a camera at [`VIEWPOINT`] may see, in pieces; empty unless it flashes.
     pub(super) seen: Vec<Piece>,
     /// The surfaces of the whole model that shine without a texture; none unless it flashes.
@@ -132,10 +137,15 @@ impl Subject {
                     ground: Some(bottom),
                     ..Subject::within(above, mesh, is_above)
                 },
-                None => Subject {
-                    floor: (!has_ground(mesh, bottom + THICK * all.radius)).then_some(bottom),
-                    ..Subject::within(all, mesh, |_| true)
-                },
+                None => {
+                    let is_room = is_room(mesh, all.centre);
+                    let has_floor = is_room || has_ground(mesh, bottom + THICK * all.radius);
+                    Subject {
+                        floor: (!has_floor).then_some(bottom),
+                        is_room,
+                        ..Subject::within(all, mesh, |_| true)
+                    }
+                }
             },
         )
     }
@@ -165,10 +175,29 @@ impl Subject {
             outline: outline.map(|(_, point)| point).collect(),
             floor: None,
             ground: None,
+            is_room: false,
             seen: Vec::new(),
             shining: Shining::default(),
         }
     }
+}
+
+/// Whether the surfaces of `mesh` surround `centre` and face it, as the walls of a room do: the winding number about it, which is 1 inside a
+/// closed body and 0 outside (Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation using generalized winding numbers",
+/// 2013), is near −1. Of a cube without one face it is −5/6, of a corner of three walls of a box −1/2.
+fn is_room(mesh: &Mesh, centre: DVec3) -> bool {
+    let mut solid_angle = 0.0;
+    for (corners, material) in with_materials(mesh) {
+        // Both sides of it are seen.
+        if material.double_sided {
+            return false;
+        }
+        // Van Oosterom and Strackee, "The solid angle of a plane triangle", 1983: above 0 if it faces away from the centre.
+        let [a, b, c] = corners.map(|p| (p - centre).normalize_or_zero());
+        let volume = a.dot(b.cross(c));
+        solid_angle += 2.0 * libm::atan2(volume, 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+    }
+    solid_angle < ROOM * 4.0 * PI
 }
 
 /// The surface of the triangles within `ball`, as far as a camera at [`VIEWPOINT`] may see it: whatever faces it.

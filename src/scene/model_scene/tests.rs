@@ -24,6 +24,7 @@ fn slab(size: DVec3, middle: DVec3) -> Subject {
         outline,
         floor: None,
         ground: None,
+        is_room: false,
         seen: Vec::new(),
         shining: Shining::default(),
     }
@@ -319,4 +320,56 @@ fn triangles_without_extent_are_not_framed() {
     let one = Mesh::new(corners, vec![[0, 1, 2], [3, 3, 3]], [1.0; 3]);
     let ball = Subject::in_mesh(&one).unwrap().ball;
     assert_eq!(ball.centre, DVec3::new(1.0, 0.5, 0.0));
+}
+
+#[test]
+fn a_moving_camera_sees_the_middle_of_the_model_with_about_its_own_colours() {
+    let subject = slab(DVec3::ONE, DVec3::new(2.0, 0.5, -1.0));
+    for beta in [0.3, 0.9, 0.999_99] {
+        for n in [DVec3::X, -DVec3::X, DVec3::Y, DVec3::new(0.2, -0.4, 0.7)] {
+            let n = n.normalize();
+            let gamma = 1.0 / f64::sqrt(1.0 - beta * beta);
+            let motion = Motion { beta, gamma, n };
+            let camera = framing(&subject, Some(motion), [640, 480], None);
+            let d = (subject.ball.centre - camera.eye).normalize();
+            // W of light that comes along −d: 1/(γ (1 + β·d)).
+            let w = 1.0 / (gamma * (1.0 + beta * n.dot(d)));
+            assert!((0.9 - 1e-9..1.1 + 1e-9).contains(&w), "{beta} {n}: {w}");
+            let [least, most] = camera.ratios;
+            assert!(most < 2.2 * least, "{beta} {n}: {least} {most}");
+        }
+    }
+}
+
+#[test]
+fn rooms_are_told_from_bodies_and_corners() {
+    let body = shapes::mesh(
+        Shape::Box {
+            size: [3.0, 2.0, 4.0],
+        },
+        [1.0; 3],
+    );
+    let mut room = body.clone();
+    room.triangles
+        .iter_mut()
+        .for_each(|triangle| triangle.swap(1, 2));
+    let is_room = |mesh: &Mesh| Subject::in_mesh(mesh).unwrap().is_room;
+    assert!(!is_room(&body));
+    assert!(is_room(&room));
+    // Without its ceiling; and a corner: the floor and two walls.
+    let without = |faces: &[DVec3]| {
+        let mut mesh = room.clone();
+        let is_kept = |[a, b, c]: [DVec3; 3]| {
+            let n = (b - a).cross(c - a).normalize();
+            !faces.iter().any(|face| n.dot(*face) > 0.9)
+        };
+        mesh.triangles = (0..room.triangles.len() as u32)
+            .filter(|k| is_kept(room.corners(*k)))
+            .map(|k| room.triangles[k as usize])
+            .collect();
+        mesh.parts[0].triangles = mesh.triangles.len() as u32;
+        mesh
+    };
+    assert!(is_room(&without(&[-DVec3::Y])));
+    assert!(!is_room(&without(&[-DVec3::Y, -DVec3::X, -DVec3::Z])));
 }

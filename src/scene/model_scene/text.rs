@@ -3,7 +3,8 @@
 //! *Display.* At the wavelength ratio W, white light of 6504 K looks like a blackbody of 6504 K/W, and colours that keep their hue
 //! have W⁻⁴ of their radiance. If this brightness varies by more than a factor of 20 over the model, the display is logarithmic. If
 //! parts of the model have W > 5, that is, if they are seen in light emitted below 170 nm with 10⁻⁷ of its brightness, colours keep
-//! their hue.
+//! their hue. Models lit by the sun of this scene are exposed as if they held something half as bright as a white surface, so that black ones
+//! look black, and those that are nowhere lit with their own colours.
 
 use std::fmt::Write;
 
@@ -25,8 +26,11 @@ pub struct ModelScene {
     pub(super) text: String,
     /// White over black for a logarithmic display.
     pub(super) range: Option<f64>,
-    /// The white radiance if it is not measured.
+    /// The white radiance if it is not measured, and the least.
     pub(super) white: f64,
+    pub(super) least_white: f64,
+    /// Other lines of its display.
+    pub(super) display: String,
     /// The light that has to be baked before the scene can be rendered.
     pub(super) flash: Option<FlashLight>,
 }
@@ -41,23 +45,30 @@ impl ModelScene {
     pub fn text(&self) -> String {
         match self.range {
             Some(_) => self.exposed(self.white),
-            None => self.text.clone(),
+            None => self.displayed(""),
         }
     }
 
     /// The text, with the radiance `white` displayed as white; exposed by each picture if that is beyond what scene files allow.
     pub fn exposed(&self, white: f64) -> String {
         let short = |radiance: f64| format!("{radiance:.2e}").parse().unwrap_or(radiance);
-        let white: f64 = short(white);
+        let white: f64 = short(white.max(self.least_white));
         let black = self.range.map(|range| short(white / range));
         if white > LARGEST || black.unwrap_or(white) < SMALLEST {
-            return self.text.clone();
+            return self.displayed("");
         }
-        let display = match black {
-            Some(black) => format!("logarithmic = [{black:?}, {white:?}]"),
-            None => format!("white = {white:?}"),
-        };
-        format!("{}\n[display]\n{display}\n", self.text)
+        self.displayed(&match black {
+            Some(black) => format!("logarithmic = [{black:?}, {white:?}]\n"),
+            None => format!("white = {white:?}\n"),
+        })
+    }
+
+    /// The text with this line of its display.
+    fn displayed(&self, line: &str) -> String {
+        match (line, self.display.as_str()) {
+            ("", "") => self.text.clone(),
+            (line, others) => format!("{}\n[display]\n{others}{line}", self.text),
+        }
     }
 }
 
@@ -82,6 +93,14 @@ impl FlashLight {
     /// The scene with direct light only, seen by the film's camera.
     pub fn direct(&self) -> &str {
         &self.direct
+    }
+}
+
+/// The line of a display that shows a room as if the walls between it and the camera were not there.
+pub(super) fn backs_of(is_room: bool) -> &'static str {
+    match is_room {
+        true => "back_faces = \"culled\"\n",
+        false => "",
     }
 }
 

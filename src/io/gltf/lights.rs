@@ -69,7 +69,8 @@ pub(super) fn has_range(document: &Document, node: usize) -> bool {
 fn name(document: &Document, node: usize, light: Option<&Light>) -> String {
     let node = document.root.nodes.get(node);
     let own = light.and_then(|light| light.name.as_deref());
-    let name = node.and_then(|node| node.name.as_deref()).or(own);
+    let of_node = node.and_then(|node| node.name.as_deref());
+    let name = of_node.filter(|name| !name.is_empty()).or(own);
     shortened(name.unwrap_or_default())
 }
 

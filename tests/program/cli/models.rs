@@ -505,9 +505,9 @@ fn display_settings_that_do_not_set_the_exposure_leave_it_as_it_is() {
     let said = white(&scene(&["--set", "display.white=0.25"]));
     assert_eq!(said.as_deref(), Some("white = 0.25"));
     assert_eq!(white(&scene(&["--set", "display.exposure=\"90 %\""])), None);
-    // The scale of a fast camera is logarithmic, which no user wrote.
-    let fast = ["--beta", "0.9", "--set", "display.white=0.25"];
-    assert!(scene(&fast[..2]).contains("logarithmic = "));
+    // The scale of a fast fly-by is logarithmic, which no user wrote.
+    let fast = ["--flyby", "--beta", "0.9", "--set", "display.white=0.25"];
+    assert!(scene(&fast[..3]).contains("logarithmic = "));
     assert_eq!(white(&scene(&fast)).as_deref(), Some("white = 0.25"));
 }
 

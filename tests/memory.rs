@@ -8,10 +8,12 @@
 mod counting;
 
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use nullray::approximate::raster::{self, Method};
-use nullray::io::image::{Channel, Layers, Samples};
+use nullray::io::cube::{Bricks, Cube, CubeSamples, Wanted};
+use nullray::io::image::{Channel, Layers, Samples, npz};
+use nullray::light::time_texture::survey::{Order, of_samples};
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Bins, Coordinates, CubePrecision, Surface};
 use nullray::render::plan::{Plan, Request};
@@ -400,4 +402,22 @@ fn comparing_takes_no_more_than_is_estimated() {
         wrong |= peak > estimated || estimated > 4 * peak;
     }
     assert!(!wrong);
+}
+
+#[test]
+fn checks_of_a_cube_on_disk_take_little_memory() {
+    let _alone = ALONE.lock();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("noise.npy");
+    // 64 MiB, of which 1/8 is checked: 2 million samples.
+    let shape = [128, 128, 1024, 1];
+    let noise = |n: u32| (n.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0;
+    let samples = (0..128 * 128 * 1024).map(noise).collect();
+    npz::write_cube(&path, &Cube::new(shape, CubeSamples::F32(samples)).unwrap()).unwrap();
+    let bricks = Bricks::open(&path, Wanted::default(), 8 << 20).unwrap();
+    let store = Arc::new(bricks).into();
+    let mut found = Vec::new();
+    let peak = counting::peak_of(|| found = of_samples(&store, Order::Stated));
+    assert_eq!(found, [""; 0]);
+    assert!(peak < 16 << 20, "{peak} bytes");
 }

@@ -381,13 +381,13 @@ impl Bricks {
     }
 
     fn peek_stored(&self, near: &mut Peeked, pixel: usize, bin: usize, to: &mut [f64]) {
-        /// The largest number of samples that are kept.
-        const MOST: u64 = 1 << 21;
+        /// The most bytes of samples that are kept.
+        const MOST: u64 = 4 << 20;
         let mut at = 0;
         let bins = to.len() / self.shape[3];
         self.runs(pixel, bin, bins, |brick, from, count| {
             // Clears everything at once: it is unknown which bricks will be needed again.
-            if near.0.len() as u64 * self.form.per_brick() > MOST {
+            if near.0.len() as u64 * self.form.per_brick() * self.sample_bytes > MOST {
                 near.0.clear();
             }
             let samples = near.0.entry(brick).or_insert_with(|| {
@@ -399,10 +399,14 @@ impl Bricks {
         });
     }
 
-    /// Bytes that are read for a pixel's line of bins.
-    pub fn bytes_of_line(&self) -> u64 {
+    /// Bytes that are read for the lines of bins of this many neighbouring pixels.
+    pub fn bytes_of_lines(&self, pixels: usize) -> u64 {
         let mut bricks = Vec::new();
-        self.runs(0, 0, self.shape[2], |brick, _, _| bricks.push(brick));
+        let [h, w, bins, _] = self.shape;
+        for pixel in 0..pixels.min(h * w) {
+            self.runs(pixel, 0, bins, |brick, _, _| bricks.push(brick));
+            bricks.dedup();
+        }
         bricks.sort_unstable();
         bricks.dedup();
         bricks

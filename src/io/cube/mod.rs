@@ -52,6 +52,7 @@ pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
 pub use format::{ByPath, CubeFormat};
 pub use negative::{BelowZero, Negative};
+pub(crate) use negative::Counted;
 pub use pages::BRICK;
 pub use picture::frame_count;
 pub(crate) use pieces::Pieces;

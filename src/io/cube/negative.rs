@@ -44,19 +44,42 @@ impl BelowZero {
         samples: impl Iterator<Item = (usize, f64)>,
         shape: [usize; 4],
     ) -> Option<BelowZero> {
-        let (mut count, mut of, mut least) = (0, 0, (0, 0.0));
-        for (at, x) in samples {
-            of += 1;
-            if x < 0.0 {
-                count += 1;
-                least = if x < least.1 { (at, x) } else { least };
-            }
+        let mut counted = Counted::default();
+        samples.for_each(|(at, x)| counted.add(at, x));
+        counted.below_zero(shape)
+    }
+}
+
+/// Samples that were examined one by one, and those of them that are below 0.
+#[derive(Debug, Default)]
+pub(crate) struct Counted {
+    count: u64,
+    of: u64,
+    /// The place of the least, and the least.
+    least: (usize, f64),
+}
+
+impl Counted {
+    /// Counts the sample at this place in a cube.
+    pub fn add(&mut self, at: usize, x: f64) {
+        self.of += 1;
+        if x < 0.0 {
+            self.count += 1;
+            self.least = if x < self.least.1 {
+                (at, x)
+            } else {
+                self.least
+            };
         }
-        (count > 0).then(|| BelowZero {
-            count,
-            of,
-            least: least.1,
-            place: place_of(least.0, shape),
+    }
+
+    /// For a cube of this shape; `None` if none is below 0.
+    pub fn below_zero(&self, shape: [usize; 4]) -> Option<BelowZero> {
+        (self.count > 0).then(|| BelowZero {
+            count: self.count,
+            of: self.of,
+            least: self.least.1,
+            place: place_of(self.least.0, shape),
         })
     }
 }

@@ -22,11 +22,12 @@ use lines::{Lines, percent};
 
 use super::capture::Capture;
 use super::texture::TimeTexture;
-use crate::io::cube::{BelowZero, ByteOrder, CubeStore, Negative, Sign};
+use crate::io::cube::{ByteOrder, Counted, CubeStore, Negative, Sign};
 use crate::scene::model::TimeBins;
 
-/// Enough samples to judge their sizes.
+/// Enough samples to judge their sizes, and for cubes on disk.
 const MOST_SIZES: usize = 1 << 20;
+const MOST_SIZES_ON_DISK: usize = 1 << 18;
 /// Enough pixels to judge a picture.
 const ENOUGH: usize = 256;
 /// The longest run of dark bins that may be dead ones.
@@ -64,18 +65,19 @@ pub fn of_samples_with(
     }
     let mut lines = Lines::new(cube);
     let light = Light::of(&mut lines);
+    let shape = cube.shape();
     let mut remarks = Vec::new();
     if light.total == 0.0 {
         // A small part of the picture may well be dark.
         let is_all = cube.on_disk().is_none();
         return Vec::from_iter(is_all.then(|| "every sample examined is 0".into()));
     }
-    if let Some(remark) = byte_order(&mut lines) {
+    if let Some(remark) = byte_order(&light.samples, cube.sample_bytes(), shape[3]) {
         // If so, nothing else is meaningful.
         return vec![remark];
     }
     if negative.is_none() {
-        remarks.extend(below_zero(&mut lines, &light));
+        remarks.extend(below_zero(cube, &light));
     }
     if !is_held {
         remarks.extend(ends(&light.per_bin));
@@ -92,18 +94,9 @@ pub(crate) fn is_dark(cube: &CubeStore) -> bool {
     cube.on_disk().is_none() && Light::of(&mut Lines::new(cube)).total == 0.0
 }
 
-/// Whether the bytes of samples are in the wrong order.
-fn byte_order(lines: &mut Lines) -> Option<String> {
-    let bytes = lines.store.sample_bytes();
-    let (mut samples, mut line) = (Vec::new(), Vec::new());
-    for pixel in lines.pixels() {
-        lines.all(pixel, &mut line);
-        samples.extend_from_slice(&line);
-        if samples.len() > MOST_SIZES {
-            break;
-        }
-    }
-    let ByteOrder { sign, now, turned } = ByteOrder::of(&samples, bytes, lines.store.shape()[3])?;
+/// Whether the bytes of samples, as many as these in the file, are in the wrong order.
+fn byte_order(samples: &[f64], bytes: usize, channels: usize) -> Option<String> {
+    let ByteOrder { sign, now, turned } = ByteOrder::of(samples, bytes, channels)?;
     let [now_part, turned_part] = [now, turned].map(percent);
     // No light has such magnitudes; of numbers with swapped bytes, a third (f32) or two thirds (f64) have them.
     let seen = match (sign, bytes) {
@@ -138,21 +131,12 @@ fn byte_order(lines: &mut Lines) -> Option<String> {
 }
 
 /// The warning about samples below 0.
-fn below_zero(lines: &mut Lines, light: &Light) -> Option<String> {
-    let shape = lines.store.shape();
-    let found = match lines.store.in_memory() {
+fn below_zero(cube: &CubeStore, light: &Light) -> Option<String> {
+    let found = match cube.in_memory() {
         Some(cube) => cube.below_zero(),
-        None => {
-            let (each, mut line) = (shape[2] * shape[3], Vec::new());
-            let mut samples = Vec::new();
-            for pixel in lines.pixels() {
-                lines.all(pixel, &mut line);
-                samples.extend((pixel * each..).zip(line.iter().copied()));
-            }
-            BelowZero::among(samples.into_iter(), shape)
-        }
+        None => light.counted.below_zero(cube.shape()),
     }?;
-    let looked_at = match lines.store.in_memory() {
+    let looked_at = match cube.in_memory() {
         Some(_) => "",
         None => " (of the part examined)",
     };
@@ -180,7 +164,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
     let mut by_lack: BTreeMap<u64, f64> = BTreeMap::new();
     let mut first_light = FirstLight::new(axis.bins.width(), index);
     for &pixel in &pixels {
-        lines.read(pixel, 0, &mut line);
+        lines.line(pixel, &mut line);
         let seen = capture.distance(pixel);
         let delay = capture.delay_of(pixel);
         if let Some(distance) = seen {
@@ -340,21 +324,40 @@ struct Light {
     total: f64,
     /// The sum of the absolute values of samples below 0.
     negative: f64,
+    /// The samples of the first pixels, in order.
+    samples: Vec<f64>,
+    /// All of them.
+    counted: Counted,
 }
 
 impl Light {
     fn of(lines: &mut Lines) -> Light {
-        let bins = lines.store.shape()[2];
-        let mut line = vec![0.0; bins];
+        let [_, _, bins, channels] = lines.store.shape();
+        let most = match lines.store.on_disk() {
+            None => MOST_SIZES,
+            Some(_) => MOST_SIZES_ON_DISK,
+        };
+        let (each, mut line) = (bins * channels, Vec::new());
         let mut light = Light {
             per_bin: vec![0.0; bins],
             unsigned: vec![0.0; bins],
             total: 0.0,
             negative: 0.0,
+            samples: Vec::new(),
+            counted: Counted::default(),
         };
-        for pixel in lines.pixels() {
-            lines.read(pixel, 0, &mut line);
-            for (bin, &value) in line.iter().enumerate() {
+        let pixels = lines.pixels();
+        (light.samples).reserve_exact((pixels.len() * each).min(most + each));
+        for pixel in pixels {
+            lines.all(pixel, &mut line);
+            if light.samples.len() <= most {
+                light.samples.extend_from_slice(&line);
+            }
+            for (at, sample) in (pixel * each..).zip(&line) {
+                light.counted.add(at, *sample);
+            }
+            for (bin, samples) in line.chunks(channels).enumerate() {
+                let value: f64 = samples.iter().sum();
                 light.per_bin[bin] += value;
                 light.unsigned[bin] += value.abs();
                 light.total += value.abs();

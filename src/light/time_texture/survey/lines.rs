@@ -1,6 +1,8 @@
 //! The examined subset of a cube's samples, read line by line along time; and words for numbers.
 
-use crate::io::cube::{CubeStore, Peeked};
+use std::ops::Range;
+
+use crate::io::cube::{Bricks, CubeStore, Peeked};
 
 /// Examined pixels.
 const PIXELS: usize = 4096;
@@ -9,6 +11,9 @@ const LINES: usize = 512;
 /// For cubes on disk: examined lines, and neighbours in a row that are examined together.
 const LINES_ON_DISK: usize = 12;
 const TOGETHER: usize = 16;
+/// The most samples of neighbours that are read together, and the bins that are read of each at a time: those of frames share pages.
+const MOST_TOGETHER: usize = 1 << 19;
+const BINS_TOGETHER: usize = 64;
 /// The fraction of a cube on disk that is read, and bounds on it, bytes.
 const PART_ON_DISK: u64 = 256;
 const READ_ON_DISK: [u64; 2] = [8 << 20, 64 << 20];
@@ -18,6 +23,8 @@ pub(super) struct Lines<'a> {
     pub store: &'a CubeStore,
     near: Peeked,
     samples: Vec<f64>,
+    /// For a cube on disk: neighbouring pixels, and the samples of their lines.
+    group: (Range<usize>, Vec<f64>),
 }
 
 impl<'a> Lines<'a> {
@@ -26,6 +33,7 @@ impl<'a> Lines<'a> {
             store,
             near: Peeked::default(),
             samples: Vec::new(),
+            group: (0..0, Vec::new()),
         }
     }
 
@@ -46,15 +54,50 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// All samples of a pixel, bin by bin, channel by channel, replacing the contents of `to`.
+    /// All samples of an examined pixel, bin by bin, channel by channel, replacing the contents of `to`.
     pub fn all(&mut self, pixel: usize, to: &mut Vec<f64>) {
         let [_, _, bins, channels] = self.store.shape();
         let each = bins * channels;
         to.clear();
-        to.resize(each, 0.0);
         match self.store {
-            CubeStore::Memory(cube) => cube.samples.widen(pixel * each, to),
-            CubeStore::Disk(bricks) => bricks.peek(&mut self.near, pixel, 0, to),
+            CubeStore::Memory(cube) => {
+                to.resize(each, 0.0);
+                cube.samples.widen(pixel * each, to);
+            }
+            CubeStore::Disk(bricks) => {
+                if !self.group.0.contains(&pixel) {
+                    self.read_group(bricks, pixel);
+                }
+                let (pixels, samples) = &self.group;
+                to.extend(samples[(pixel - pixels.start) * each..].iter().take(each));
+            }
+        }
+    }
+
+    /// The sums over channels of all bins of an examined pixel.
+    pub fn line(&mut self, pixel: usize, to: &mut [f64]) {
+        let mut samples = std::mem::take(&mut self.samples);
+        self.all(pixel, &mut samples);
+        for (to, samples) in to.iter_mut().zip(samples.chunks(self.store.shape()[3])) {
+            *to = samples.iter().sum();
+        }
+        self.samples = samples;
+    }
+
+    /// Reads the lines of a pixel and of the neighbours that are examined with it.
+    fn read_group(&mut self, bricks: &Bricks, pixel: usize) {
+        let [h, w, bins, channels] = self.store.shape();
+        let each = bins * channels;
+        let count = TOGETHER.min(h * w - pixel).min(MOST_TOGETHER / each);
+        let (pixels, samples) = &mut self.group;
+        *pixels = pixel..pixel + count.max(1);
+        samples.clear();
+        samples.resize(pixels.len() * each, 0.0);
+        for bin in (0..bins).step_by(BINS_TOGETHER) {
+            let part = bin * channels..(bin + BINS_TOGETHER).min(bins) * channels;
+            for (line, pixel) in samples.chunks_mut(each).zip(pixels.clone()) {
+                bricks.peek(&mut self.near, pixel, bin, &mut line[part.clone()]);
+            }
         }
     }
 
@@ -68,7 +111,8 @@ impl<'a> Lines<'a> {
         let [least, most] = READ_ON_DISK;
         let all = samples as u64 * self.store.sample_bytes() as u64;
         let budget = (all / PART_ON_DISK).clamp(least, most);
-        let groups = (budget / bricks.bytes_of_line().max(1)).clamp(1, (PIXELS / TOGETHER) as u64);
+        let group = bricks.bytes_of_lines(TOGETHER).max(1);
+        let groups = (budget / group).clamp(1, (PIXELS / TOGETHER) as u64);
         // Each begins in the middle of its part of the picture.
         let begin = |group: u64| ((2 * group + 1) as usize * h * w) / (2 * groups as usize);
         let mut pixels: Vec<usize> = (0..groups)

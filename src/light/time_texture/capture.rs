@@ -80,8 +80,8 @@ struct Lens {
     width: usize,
 }
 
-/// What one pixel saw, in camera coordinates. Position and normal are only compared with footprints, so f32 is enough. Distance 0:
-/// nothing.
+/// What one pixel saw, in camera coordinates. Position and normal are only compared with footprints, so f32 is enough. The distance is
+/// that from the beginning of the ray, which is on the near plane if there is one; 0: nothing.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     pub distance: f64,
@@ -262,7 +262,13 @@ impl Capture {
     /// The distance, metres, of what pixel (row · width + column) saw; `None` if it saw nothing.
     #[inline]
     pub fn distance(&self, pixel: usize) -> Option<f64> {
-        Some(self.seen_by(pixel).distance).filter(|distance| *distance > 0.0)
+        let seen = self.seen_by(pixel);
+        // From the pinhole, not from the near plane.
+        let distance = match self.lens.near > 0.0 {
+            true => Vec3::from_array(seen.position).as_dvec3().length(),
+            false => seen.distance,
+        };
+        (seen.distance > 0.0).then_some(distance)
     }
 
     /// The delay between the emission and the recording of this pixel's light, metres.
@@ -274,12 +280,8 @@ impl Capture {
     /// The same for what a pixel saw.
     #[inline(always)]
     pub(super) fn delay_from(&self, seen: &Seen) -> f64 {
-        // Rays begin on the near plane: times lack the way to it.
-        match (seen.distance > 0.0, self.lens.near > 0.0) {
-            (false, _) => 0.0,
-            (true, true) => self.delay * (seen.distance - self.lens.near_distance(seen)),
-            (true, false) => self.delay * seen.distance,
-        }
+        // Of what saw nothing the distance is 0.
+        self.delay * seen.distance
     }
 
     /// The point, if its visible side faces the pinhole and it is in front of it.
@@ -345,19 +347,13 @@ impl Lens {
             Some(hit) if hit.distance > 0.0 && hit.distance.is_finite() => {
                 let distance = skipped + hit.distance;
                 Seen {
-                    distance,
+                    distance: hit.distance,
                     position: (ray * (distance / length)).as_vec3().to_array(),
                     normal: self.facing(hit.normal, ray).as_vec3().to_array(),
                 }
             }
             _ => NOTHING,
         }
-    }
-
-    /// n / cos θ: the distance of the near plane from the pinhole along a pixel's ray, to f32 precision.
-    #[inline]
-    fn near_distance(&self, seen: &Seen) -> f64 {
-        self.near * seen.distance / f64::from(seen.position[2])
     }
 
     /// The normal by its components along the axes, on the side that the ray comes from.
@@ -368,6 +364,34 @@ impl Lens {
             -normal
         } else {
             normal
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn delays_lack_the_way_to_the_near_plane_to_double_precision() {
+        let camera = CaptureCamera {
+            near_clip: 2.0,
+            ..CaptureCamera::new(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::NEG_Z], 1.5)
+        };
+        let wall = |origin: DVec3, d: DVec3| {
+            Some(SeenPoint {
+                distance: (-7.0 - origin.z) / d.z,
+                normal: DVec3::Z,
+            })
+        };
+        let capture = Capture::new(&camera, [9, 5], true, 1.4, wall);
+        let step = 2.0 * 0.75f64.tan() / 9.0;
+        for pixel in 0..45 {
+            let (x, y) = ((pixel % 9) as f64 - 4.0, 2.0 - (pixel / 9) as f64);
+            // The length of the ray between the depths 0 and 1; its light is timed from depth 2 to depth 7.
+            let length = (1.0 + step * step * (x * x + y * y)).sqrt();
+            assert!((capture.delay_of(pixel) - 1.4 * 5.0 * length).abs() < 1e-13);
+            assert!((capture.distance(pixel).unwrap() - 7.0 * length).abs() < 1e-5);
         }
     }
 }

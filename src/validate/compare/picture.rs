@@ -306,6 +306,14 @@ impl Picture {
                     ..Picture::linear(name, layers)
                 }
             }
+            _ if path.is_dir() => {
+                return Err(Error::unsupported(
+                    path,
+                    "",
+                    "this is a folder, not a picture",
+                    "name one of its pictures, like frames/000.exr; a cube is compared bin by bin",
+                ));
+            }
             _ => {
                 return Err(Error::unsupported(
                     path,
@@ -499,6 +507,13 @@ fn no_picture(path: &Path, name: Option<&str>, shape: &[usize]) -> Error {
         return Error::unsupported(path, place, what, help);
     }
     let what = format!("an array of shape {shape:?} is not a picture");
+    if shape.len() == 4 {
+        let file = path.display();
+        let help = format!(
+            "of a cube, (H, W, T, C), compare the pictures of its bins: nullray convert {file} -o frames writes frames/000.exr and so on"
+        );
+        return Error::unsupported(path, place, what, help);
+    }
     let help = "(H, W) or (H, W, 1) for one channel; (H, W, 3) or (H, W, 4) for the array \"radiance\"; (H, W, n) for an \
                 array that is named like a group of n channels, like (H, W, 4) for \"event\"";
     Error::unsupported(path, place, what, help)

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nullray::io::cube::{self, Axes, Cube, CubeSamples, Wanted};
+use nullray::io::image::npz;
 
 use super::refused::refused;
 use super::{Folder, repository};
@@ -60,6 +61,27 @@ fn cubes_go_through_all_formats_and_come_back_bit_for_bit() {
     );
     // Ninety frames, the last of them 089.
     assert!(folder.path("frames/089.exr").exists() && !folder.path("frames/090.exr").exists());
+}
+
+#[test]
+fn cubes_are_compared_by_the_pictures_of_their_bins_as_compare_says() {
+    let folder = Folder::empty();
+    let cube = Cube::new([9, 8, 10, 1], CubeSamples::F32(vec![1.0; 720])).unwrap();
+    npz::write_cube(&folder.path("a.npy"), &cube).unwrap();
+    let run = folder.run(&["compare", "a.npy", "a.npy"]);
+    let said = run.message();
+    assert!(
+        run.code == 2 && said.contains("nullray convert a.npy -o frames"),
+        "{said}"
+    );
+    folder.ok(&["convert", "a.npy", "-o", "frames"]);
+    let run = folder.run(&["compare", "frames", "frames"]);
+    let said = run.message();
+    assert!(
+        run.code == 2 && said.contains("like frames/000.exr"),
+        "{said}"
+    );
+    folder.ok(&["compare", "frames/000.exr", "frames/009.exr"]);
 }
 
 #[test]

@@ -231,7 +231,11 @@ fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) ->
         Dtype::F64 => ("f64", 8),
         _ => ("f32", 4),
     };
-    let colours = if c == 1 { "grey" } else { "red, green, blue" };
+    let colours = match &arguments.channels {
+        Some(channels) => format!("channels {channels}"),
+        None if c == 1 => "grey".into(),
+        None => "red, green, blue".into(),
+    };
     let output: &PathBuf = &arguments.output;
     let mut text = format!(
         "wrote {}: {h} rows, {w} columns, {t} time bins, {colours}; {name}, {}\n",

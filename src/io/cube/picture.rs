@@ -159,13 +159,9 @@ impl Picture {
         let mut planes = Vec::with_capacity(channels.count());
         for (name, stored) in channels.names().into_iter().zip(channels.in_pictures()) {
             let Some(channel) = layers.channel(stored) else {
-                // A picture may have thousands of channels: ten are enough to show.
-                let names: Vec<_> = (layers.channels.iter().take(10))
-                    .map(|c| c.name.as_str())
-                    .collect();
                 let what = format!(
                     "it has no channel {name}; its channels are {}",
-                    names.join(", ")
+                    names_in(layers)
                 );
                 let help = "name channels that the picture has";
                 return Err(Error::invalid(file, "channels", what, help));
@@ -217,15 +213,9 @@ impl Picture {
         match (grey.next(), grey.next()) {
             (Some(channel), None) => Picture::of_planes(file, layers, &[&channel.samples], budget),
             _ => {
-                let names: Vec<_> = layers
-                    .channels
-                    .iter()
-                    .take(10)
-                    .map(|c| c.name.as_str())
-                    .collect();
                 let what = format!(
                     "its channels are {}, neither R, G, B nor a single one",
-                    names.join(", ")
+                    names_in(layers)
                 );
                 Err(Error::unsupported(
                     file,
@@ -285,7 +275,8 @@ impl Picture {
             return Ok(());
         }
         let said = |[width, height]: [usize; 2], channels: usize| {
-            format!("{width} × {height} pixels of {channels} channels")
+            let plural = if channels == 1 { "" } else { "s" };
+            format!("{width} × {height} pixels of {channels} channel{plural}")
         };
         let what = format!(
             "it has {}, and {} has {}",
@@ -300,6 +291,17 @@ impl Picture {
             "all pictures of a sequence have one size and the same channels",
         ))
     }
+}
+
+/// The names of its channels in the file, where colours are R, G and B.
+fn names_in(layers: &Layers) -> String {
+    // A picture may have thousands of channels: ten are enough to show.
+    let channels = layers.channels.iter().take(10);
+    let names = channels.map(|channel| {
+        let name = channel.name.as_str();
+        name.strip_prefix("radiance.").unwrap_or(name)
+    });
+    names.collect::<Vec<_>>().join(", ")
 }
 
 /// Refuses channel names for a picture without them: only EXR stores channels by name.

@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::axes::{Arrangement, Axes};
+use super::channels::CubeChannel;
 use super::format::{ByPath, CubeFormat, Parts, Recognition};
 use super::layout::StoredLayout;
 use super::number::Number;
@@ -26,6 +27,7 @@ use super::samples::{Cube, CubeSamples};
 use super::wanted::{CubeInfo, Transfer, Wanted};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
+use crate::io::image::panorama;
 use crate::io::npy::Dtype;
 
 /// Extensions of pictures that frames may be, lower case.
@@ -332,7 +334,25 @@ fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
             )],
             [] => Vec::new(),
         },
-        remarks: Vec::new(),
+        remarks: match wanted.channels {
+            Some(_) => Vec::new(),
+            None => unread(&frames[0].file).into_iter().collect(),
+        },
+    })
+}
+
+/// Notes infrared and ultraviolet channels of a picture, which are read only if they are named.
+fn unread(file: &Path) -> Option<String> {
+    let channels = panorama::head(file)?.channels;
+    let companions = CubeChannel::COMPANIONS.map(CubeChannel::name);
+    let mut found = companions.to_vec();
+    found.retain(|name| channels.iter().any(|channel| channel == name));
+    (!found.is_empty()).then(|| {
+        format!(
+            "the pictures have {} beside R, G and B, which is left out unless `channels` names all: R, G, B, {}",
+            found.join(" and "),
+            found.join(", ")
+        )
     })
 }
 

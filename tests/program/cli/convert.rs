@@ -64,6 +64,33 @@ fn cubes_go_through_all_formats_and_come_back_bit_for_bit() {
 }
 
 #[test]
+fn infrared_and_ultraviolet_of_frames_are_not_lost_without_a_word() {
+    let folder = Folder::empty();
+    let samples = (0..3 * 4 * 9 * 5).map(|n| 1.0 + n as f32).collect();
+    let cube = Cube::new([3, 4, 9, 5], CubeSamples::F32(samples)).unwrap();
+    npz::write_cube(&folder.path("a.npy"), &cube).unwrap();
+    let channels = ["--channels", "R,G,B,IR,UV"];
+    let said = folder.ok(&[&["convert", "a.npy", "-o", "frames"][..], &channels].concat());
+    assert!(
+        said.contains("9 time bins, channels R, G, B, IR, UV;"),
+        "{said}"
+    );
+    let lost = "IR and UV beside R, G and B, which is left out";
+    for command in [
+        &["info", "frames"][..],
+        &["convert", "frames", "-o", "b.npy"],
+    ] {
+        let said = folder.ok(command);
+        // Rows of `info` are wrapped.
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(lost), "{said}");
+    }
+    let said = folder.ok(&[&["convert", "frames", "-o", "c.npy"][..], &channels].concat());
+    assert!(!said.contains(lost), "{said}");
+    assert_eq!(folder.read("c.npy"), folder.read("a.npy"));
+}
+
+#[test]
 fn cubes_are_compared_by_the_pictures_of_their_bins_as_compare_says() {
     let folder = Folder::empty();
     let cube = Cube::new([9, 8, 10, 1], CubeSamples::F32(vec![1.0; 720])).unwrap();

@@ -37,7 +37,7 @@ pub fn planned(
             bins.count,
             bytes as f64 / 1e6
         );
-        if let Some(gloss) = gloss(plan, job) {
+        if let Some(gloss) = gloss((scene, plan), job) {
             text += &format!("  note      {gloss}\n");
         }
     }
@@ -55,7 +55,7 @@ pub fn report(
 ) -> (String, Vec<String>) {
     let [h, w, t, _] = baked.cube.shape;
     let energy = &baked.energy;
-    let mut warnings: Vec<String> = gloss(plan, job).into_iter().collect();
+    let mut warnings: Vec<String> = gloss((scene, plan), job).into_iter().collect();
     let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
     let backs_are_seen = job.surface.is_some_and(seen);
     let sides = match baked.backs {
@@ -128,7 +128,11 @@ pub const WAYS: &str =
     ": bake what the camera sees (--camera), or follow light with `render.bounces`";
 
 /// The part of an object's light that a texture does not hold: whatever is not reflected diffusely; `None` if there is no such part.
-fn gloss(plan: &Plan, job: &Job) -> Option<String> {
+fn gloss((scene, plan): (&Scene, &Plan), job: &Job) -> Option<String> {
+    // Under pulses alone all surfaces are diffuse.
+    if !scene.is_lit() {
+        return None;
+    }
     let object = &plan.objects[job.surface?.object];
     if !object.factors.iter().any(Factors::is_glossy) {
         return None;

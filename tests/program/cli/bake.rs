@@ -7,7 +7,7 @@ use serde_json::json;
 use super::Folder;
 
 /// A floor and a flash.
-const FLASH: &str = r#"
+pub(super) const FLASH: &str = r#"
 [camera]
 eye = [0, 2, 4]
 look_at = [0, 0, 0]
@@ -19,7 +19,7 @@ name = "floor"
 shape = { plane = { size = [4, 4] } }
 "#;
 
-const LIGHT: &str = r#"
+pub(super) const LIGHT: &str = r#"
 [[light]]
 position = [0.5, 1.5, 0]
 intensity = 5
@@ -27,7 +27,7 @@ emission = { gaussian = { sigma = "30 cm" } }
 "#;
 
 /// That two scenes of a folder have the same mean, to 2 %.
-fn assert_as_bright(folder: &Folder, a: &str, b: &str) {
+pub(super) fn assert_as_bright(folder: &Folder, a: &str, b: &str) {
     let [a, b] = [a, b].map(|scene| {
         folder.ok(&["render", scene, "-o", "a.exr", "--spp", "16", "-q"]);
         let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
@@ -715,6 +715,26 @@ fn gloss_that_is_not_baked_is_said_by_name() {
             said.contains(words) && !said.contains("no light arrives"),
             "{said}"
         );
+    }
+}
+
+#[test]
+fn under_pulses_alone_metal_is_diffuse_and_all_its_light_is_baked() {
+    let folder = Folder::empty();
+    let keys = "metallic = 1\nroughness = 0.3";
+    let floor = FLASH.replace("size = [4, 4] } }", &format!("size = [4, 4] }} }}\n{keys}"));
+    let pulse = "[[source]]\npulse = { position = [0.5, 1.5, 0], sigma = \"30 cm\" }\n";
+    folder.write("lit.toml", floor + pulse);
+    let bake = [
+        "bake",
+        "lit.toml",
+        "--bin-width=20 cm",
+        "--bins=60",
+        "-o=a.npz",
+    ];
+    for plan in [&["--plan"][..], &[]] {
+        let said = folder.ok(&[&bake[..], plan].concat());
+        assert!(!said.contains("all its light is gloss"), "{said}");
     }
 }
 

@@ -33,7 +33,7 @@ const MODELS: [(&str, usize, usize); 11] = [
     ("THIN_PRISM_FISHEYE", 12, 2),
 ];
 
-/// The pose and field of view of an image's camera.
+/// The pose of an image, and its camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ColmapPose {
@@ -41,8 +41,39 @@ pub struct ColmapPose {
     pub eye: DVec3,
     /// Orthonormal: right, up, forward.
     pub axes: [DVec3; 3],
-    /// Horizontal and vertical field of view, radians.
-    pub fov: [f64; 2],
+    /// Its camera.
+    pub picture: ColmapPicture,
+}
+
+/// The pictures of a camera without distortion, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ColmapPicture {
+    /// Columns and rows.
+    pub size: [f64; 2],
+    /// The principal point, from the upper left corner.
+    pub centre: [f64; 2],
+    /// The focal length.
+    pub focal: f64,
+}
+
+impl ColmapPicture {
+    /// Horizontal and vertical field of view, radians, of a film of this size whose middle is the principal point.
+    pub fn fov(&self, film: [f64; 2]) -> [f64; 2] {
+        film.map(|size| 2.0 * libm::atan2(0.5 * size, self.focal))
+    }
+
+    /// Whether the principal point of a picture at `offset` on a film is the middle of that film, to half a pixel.
+    pub fn is_centred(&self, film: [f64; 2], offset: [f64; 2]) -> bool {
+        (0..2).all(|axis| (0.5 * film[axis] - offset[axis] - self.centre[axis]).abs() <= 0.5)
+    }
+
+    /// The smallest film whose middle is the principal point, to a quarter of a pixel, and which has the picture at an offset on it.
+    pub fn film(&self) -> [[f64; 2]; 2] {
+        let doubled = self.centre.map(|centre| (2.0 * centre).round());
+        let film = [0, 1].map(|axis| doubled[axis].max(2.0 * self.size[axis] - doubled[axis]));
+        [film, [0, 1].map(|axis| 0.5 * (film[axis] - doubled[axis]))]
+    }
 }
 
 /// An image of a reconstruction.
@@ -55,8 +86,7 @@ struct Image {
 /// The pose of the image of this name in the reconstruction in `folder`.
 ///
 /// # Errors
-/// The files cannot be read or are broken; there is no such image; its camera is not a pinhole with its axis through the middle of the
-/// picture.
+/// The files cannot be read or are broken; there is no such image; its camera is not a pinhole with square pixels.
 pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
     // The image names its camera, so images are read first.
     let (images, is_binary) = file(folder, "images")?;
@@ -65,7 +95,7 @@ pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
         false => text_image(&images, image)?,
     };
     let (cameras, is_binary) = file(folder, "cameras")?;
-    let fov = match is_binary {
+    let picture = match is_binary {
         true => binary_camera(&cameras, found.camera)?,
         false => text_camera(&cameras, found.camera)?,
     };
@@ -81,7 +111,7 @@ pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
     Ok(ColmapPose {
         eye: -(rotation.transpose() * found.translation),
         axes: [right, -down, forward],
-        fov,
+        picture,
     })
 }
 
@@ -188,7 +218,7 @@ fn text_image(file: &Path, image: &str) -> Result<Image> {
 }
 
 /// `CAMERA_ID MODEL WIDTH HEIGHT PARAMS…`.
-fn text_camera(file: &Path, camera: u32) -> Result<[f64; 2]> {
+fn text_camera(file: &Path, camera: u32) -> Result<ColmapPicture> {
     let mut reader = BufReader::new(open_regular(file)?.0);
     while let Some(text) = line(&mut reader, file)? {
         let words: Vec<&str> = text.split_whitespace().collect();
@@ -204,7 +234,7 @@ fn text_camera(file: &Path, camera: u32) -> Result<[f64; 2]> {
         return match (known, numbers.as_deref()) {
             (None, _) => Err(unknown(file, model)),
             (Some(known), Some([width, height, of_model @ ..])) => {
-                field_of_view(file, known, [*width, *height], of_model)
+                picture(file, known, [*width, *height], of_model)
             }
             _ => Err(broken(file, "this is not a line of a camera")),
         };
@@ -220,13 +250,13 @@ fn unknown(file: &Path, model: &str) -> Error {
 const UNDISTORT: &str =
     "a capture camera is a pinhole: remove the distortion with `colmap image_undistorter`";
 
-/// Horizontal and vertical field of view of a camera without distortion.
-fn field_of_view(
+/// The pictures of a camera without distortion.
+fn picture(
     file: &Path,
     (name, count, focal): &(&str, usize, usize),
     [width, height]: [f64; 2],
     numbers: &[f64],
-) -> Result<[f64; 2]> {
+) -> Result<ColmapPicture> {
     let is_finite = numbers.iter().all(|n| n.is_finite());
     if numbers.len() != *count || !is_finite || !(width >= 1.0 && height >= 1.0) {
         return Err(broken(
@@ -245,26 +275,30 @@ fn field_of_view(
     }
     // Captures have square pixels, so both focal lengths must agree, to a thousandth.
     let f = lengths[0];
-    let is_positive = f > 0.0;
-    if !is_positive || lengths.iter().any(|other| (other / f - 1.0).abs() > 1e-3) {
+    if lengths.iter().any(|f| *f <= 0.0) {
+        return Err(broken(
+            file,
+            format!("focal lengths of {lengths:?} pixels are not above 0"),
+        ));
+    }
+    if lengths.iter().any(|other| (other / f - 1.0).abs() > 1e-3) {
         return refuse(
             format!("focal lengths of {lengths:?} pixels mean that pixels are not square"),
             UNDISTORT,
         );
     }
-    // Captures look along the middle of their film: a deviation of half a pixel is accepted.
-    let middle = [0.5 * width, 0.5 * height];
-    let apart = centre.iter().zip(middle).map(|(c, m)| (c - m).abs());
-    if apart.fold(0.0, f64::max) > 0.5 {
-        let what = format!(
-            "its principal point is {centre:?}, but the middle of the picture is {middle:?}"
-        );
-        return refuse(
-            what,
-            "crop the capture about that point, and say so in `crop`, with `hfov` of the whole film",
-        );
+    let centre = [centre[0], centre[1]];
+    // The film of a capture has the principal point in its middle; a wide one is of no use.
+    let most = 10.0 * width.max(height);
+    if centre.iter().any(|place| place.abs() > most) {
+        let what = format!("its principal point {centre:?} is far from its picture");
+        return Err(broken(file, what));
     }
-    Ok([width, height].map(|size| 2.0 * libm::atan2(0.5 * size, f)))
+    Ok(ColmapPicture {
+        size: [width, height],
+        centre,
+        focal: f,
+    })
 }
 
 /// Numbers of a binary file, little-endian.
@@ -352,7 +386,7 @@ fn binary_image(file: &Path, image: &str) -> Result<Image> {
     Err(no_image(file, image, &names))
 }
 
-fn binary_camera(file: &Path, camera: u32) -> Result<[f64; 2]> {
+fn binary_camera(file: &Path, camera: u32) -> Result<ColmapPicture> {
     let mut from = binary(file)?;
     for _ in 0..from.u64()? {
         let (id, model) = (from.u32()?, from.u32()?);
@@ -365,7 +399,7 @@ fn binary_camera(file: &Path, camera: u32) -> Result<[f64; 2]> {
             *number = from.f64()?;
         }
         if id == camera {
-            return field_of_view(file, known, size, &numbers[..known.1]);
+            return picture(file, known, size, &numbers[..known.1]);
         }
     }
     Err(broken(file, format!("there is no camera {camera}")))

@@ -14,6 +14,7 @@ use super::memory::Memory;
 use super::model::CubeBacks;
 use crate::error::Result;
 use crate::io::budget::Budget;
+use crate::io::colmap::ColmapPicture;
 use crate::io::cube::FileTimes;
 use crate::io::gltf::GltfTrack;
 use crate::io::npy;
@@ -24,8 +25,10 @@ pub(super) struct Pose {
     pub eye: DVec3,
     /// Orthonormal: right, up, forward.
     pub axes: [DVec3; 3],
-    /// From a camera of glTF or COLMAP: the horizontal field of view if known, and the vertical one.
+    /// From a camera of glTF: the horizontal field of view if known, and the vertical one.
     pub gltf_fov: Option<(Option<f64>, f64)>,
+    /// Of a camera of COLMAP.
+    pub picture: Option<ColmapPicture>,
 }
 
 /// Results of looking at external files, shared by everything that is read from the same text.

@@ -341,6 +341,7 @@ fn read_pose(
             eye: camera.eye,
             axes: camera.axes,
             gltf_fov: Some((camera.horizontal_fov, camera.vertical_fov)),
+            picture: None,
         })
     });
     inputs.add_pose(name, pose);
@@ -355,11 +356,11 @@ fn read_colmap(inputs: &mut Inputs, cache: &FileCache, pose: &Option<At<file::Gi
     let path = inputs.base.join(&name.value);
     let pose = cache.pose(&path, Some(&image.value), || {
         let found = colmap::pose(&path, &image.value)?;
-        let [horizontal, vertical] = found.fov;
         Ok(Pose {
             eye: found.eye,
             axes: found.axes,
-            gltf_fov: Some((Some(horizontal), vertical)),
+            gltf_fov: None,
+            picture: Some(found.picture),
         })
     });
     inputs.add_pose(name, pose);

@@ -426,6 +426,9 @@ pub struct CaptureCamera {
     pub fov_axis: FovAxis,
     /// The position of the cube on the film; `None` if it covers all of it.
     pub crop: Option<Crop>,
+    /// Columns and rows of the pictures of its camera, if they are known and the cube should be one: of this size if it has a place on a
+    /// larger film, and of this shape otherwise.
+    pub picture: Option<[u32; 2]>,
     /// Depth of the plane on which the capture's rays began, metres, at least 0.
     pub near_clip: f64,
 }
@@ -440,6 +443,7 @@ impl CaptureCamera {
             fov: horizontal_fov,
             fov_axis: FovAxis::X,
             crop: None,
+            picture: None,
             near_clip: 0.0,
         }
     }

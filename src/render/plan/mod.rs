@@ -311,6 +311,7 @@ fn inspect_cubes(
             };
             let [h, w, ..] = shape;
             check_crop(scene, source, cube, [w, h])?;
+            check_picture(scene, source, cube, [w, h])?;
             check_edges(scene, source, cube, shape[2])?;
             check_backs(scene, source, cube, h)?;
             let projected = matches!(cube.mapping, Mapping::Capture(_));
@@ -351,6 +352,45 @@ fn check_crop(scene: &Scene, source: &Source, cube: &CubeSource, size: [usize; 2
         format!("source \"{}\", capture.crop", source.name),
         format!("a cube of {w} × {h} pixels at ({x}, {y}) reaches beyond a film of {fw} × {fh}"),
         "`film` is the size of the whole film, `offset` where the cube begins on it, both columns first",
+    ))
+}
+
+/// Refuses a cube that cannot be a picture of its camera.
+fn check_picture(
+    scene: &Scene,
+    source: &Source,
+    cube: &CubeSource,
+    size: [usize; 2],
+) -> Result<()> {
+    let Mapping::Capture(camera) = &cube.mapping else {
+        return Ok(());
+    };
+    let Some(picture) = camera.picture else {
+        return Ok(());
+    };
+    let [w, h] = size.map(|n| n as u64);
+    let [columns, rows] = picture.map(u64::from);
+    // At another resolution, rows and columns are rounded.
+    let is_alike = match camera.crop {
+        Some(_) => [w, h] == [columns, rows],
+        None => (w * rows).abs_diff(h * columns) <= columns.max(rows),
+    };
+    if is_alike {
+        return Ok(());
+    }
+    let help = match camera.crop {
+        Some(_) => {
+            "a cube of that size; or give `hfov`, `crop` and the pose without `colmap`".to_string()
+        }
+        None => format!(
+            "a cube of that shape; of a part of the picture, crop = {{ film = [{columns}, {rows}], offset = [left, above] }}"
+        ),
+    };
+    Err(Error::invalid(
+        &scene.name,
+        format!("source \"{}\", capture.pose", source.name),
+        format!("a cube of {w} × {h} pixels of a camera whose pictures have {columns} × {rows}"),
+        help,
     ))
 }
 

@@ -174,7 +174,7 @@ pub(in crate::scene) struct Capture {
     pub fov: Option<At<Angle>>,
     /// The axis of `fov`: "x" (as `hfov`), "y", "diagonal", "smaller" or "larger".
     pub fov_axis: Option<At<FovAxis>>,
-    /// The whole film, of which the cube is a crop. The field of view is that of the whole film.
+    /// The whole film, of which the cube is a crop. The field of view is that of the whole film, also the one that COLMAP gives.
     pub crop: Option<At<Crop>>,
     /// The depth of a near plane on which the capture's rays began, metres, at least 0: anything in front of it is not seen, and the
     /// times of `clock = "capture"` lack the path from the pinhole to it, near_clip / cos θ. Default: 0.
@@ -202,6 +202,8 @@ pub(in crate::scene) struct GivenPose {
     pub colmap: Option<At<String>>,
     /// The name of the camera's image in that reconstruction.
     pub image: Option<At<String>>,
+    /// The length of COLMAP's unit, metres, above 0: COLMAP chooses it arbitrarily. Only with `colmap`. Default: 1.
+    pub scale: Option<At<Number>>,
 }
 
 /// The direction of a pose's transformation, and the axes of a camera.

@@ -83,6 +83,11 @@ pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pos
     if let Some(colmap) = &at.value.colmap {
         return of_colmap(cx, at, colmap);
     }
+    if let Some(scale) = &at.value.scale {
+        let what = "`scale` is the unit of a COLMAP reconstruction, but there is none";
+        let help = "leave it out, and give the translation in metres";
+        return Err(cx.refuse(scale, what, help));
+    }
     let (rotation, translation) = rotation_and_translation(cx, at)?;
     let Some(convention) = at.value.convention else {
         let help = "add convention = \"opengl\", \"opencv\", \"mitsuba\" or \"colmap\"";
@@ -107,6 +112,7 @@ pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pos
         eye,
         axes,
         gltf_fov: None,
+        picture: None,
     })
 }
 
@@ -130,7 +136,16 @@ fn of_colmap(cx: &Context, at: &At<GivenPose>, colmap: &At<String>) -> Result<Po
         return Err(cx.refuse(colmap, "the name of the image is missing", help));
     };
     cx.optional_text(&Some(image.clone()), "the name of the image")?;
-    cx.pose_of(colmap)
+    let scale = at.value.scale.as_ref();
+    if let Some(scale) = scale.filter(|scale| !(scale.value.0 > 0.0 && scale.value.0 <= LARGEST)) {
+        let what = format!("a unit of {} m", number(scale.value.0));
+        return Err(cx.refuse(scale, what, "a length above 0, like 0.25"));
+    }
+    let pose = cx.pose_of(colmap)?;
+    Ok(Pose {
+        eye: pose.eye * scale.map_or(1.0, |scale| scale.value.0),
+        ..pose
+    })
 }
 
 const NO_ROTATION: &str = "the upper left 3 × 3 of a pose is a rotation: columns of length 1, at right angles, right-handed; the last row is [0, 0, 0, 1]";
@@ -238,6 +253,7 @@ fn from_points<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> {
         eye: eye.value.vec(),
         axes: axes(cx, at, forward, keys.up)?,
         gltf_fov: None,
+        picture: None,
     })
 }
 

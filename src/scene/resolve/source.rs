@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::context::Context;
 use super::{binding, object, pose, radiance};
 use crate::error::{Result, number};
+use crate::io::colmap::ColmapPicture;
 use crate::io::cube::{self, Axes, Channels, CubeFormat, is_picture};
 use crate::scene::at::At;
 use crate::scene::file;
@@ -469,6 +470,18 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
     };
     let projection = camera.projection.value;
     cx.exclusive((&camera.hfov, "hfov"), (&camera.fov, "fov"))?;
+    let crop = crop(cx, camera)?;
+    let says_fov = camera.hfov.is_some() || camera.fov.is_some();
+    let (film_fov, picture) = match &pose.picture {
+        // The scene gives the whole lens.
+        Some(_) if says_fov && crop.is_some() => (None, None),
+        Some(picture) => {
+            let ([horizontal, vertical], size) = of_colmap(cx, at, picture, crop)?;
+            let fov = Some((Some(horizontal), vertical));
+            (fov, size.filter(|_| !says_fov))
+        }
+        None => (pose.gltf_fov, None),
+    };
     // The file's own field of view takes precedence over that of the glTF camera; of the latter only the horizontal one is known to apply
     // to the picture, whatever its shape.
     let (fov, fov_axis) = match (&camera.hfov, &camera.fov, pose.gltf_fov) {
@@ -498,9 +511,45 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
         projection,
         fov,
         fov_axis,
-        crop: crop(cx, camera)?,
+        crop,
+        picture,
         near_clip: near_clip(cx, camera)?,
     })
+}
+
+/// The horizontal and the vertical field of view of the whole film of a camera of COLMAP, and the size of the picture that the cube should
+/// be: the film is the picture, or a larger one with the principal point in its middle.
+fn of_colmap(
+    cx: &Context,
+    at: &At<file::Capture>,
+    picture: &ColmapPicture,
+    crop: Option<Crop>,
+) -> Result<([f64; 2], Option<[u32; 2]>)> {
+    let size = picture.size;
+    let fov = |film| picture.fov(film);
+    let whole = Some(size.map(|n| n as u32));
+    let crop = crop.map(|crop| [crop.film, crop.offset].map(|pair| pair.map(f64::from)));
+    let is_picture = |film: [f64; 2]| film[0] * size[1] == film[1] * size[0];
+    match crop {
+        None if picture.is_centred(size, [0.0; 2]) => return Ok((fov(size), whole)),
+        // The cube is a part of the picture, at whatever resolution.
+        Some([film, _]) if is_picture(film) && picture.is_centred(size, [0.0; 2]) => {
+            return Ok((fov(size), None));
+        }
+        Some([film, offset]) if picture.is_centred(film, offset) => return Ok((fov(film), whole)),
+        _ => {}
+    }
+    let [film, offset] = crop.unwrap_or([size, [0.0; 2]]);
+    let what = format!(
+        "the principal point of COLMAP's camera is {:?}, but the middle of the film is at {:?} of its picture",
+        picture.centre,
+        [0, 1].map(|axis| 0.5 * film[axis] - offset[axis])
+    );
+    let [film, offset] = picture.film().map(|pair| pair.map(|n| n as u32));
+    let help = format!(
+        "say where the picture is on a film with that point in its middle: crop = {{ film = {film:?}, offset = {offset:?} }}"
+    );
+    Err(cx.refuse(at, what, help))
 }
 
 fn fov_axis(cx: &Context, camera: &file::Capture) -> Result<FovAxis> {

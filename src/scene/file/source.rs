@@ -151,7 +151,8 @@ pub(in crate::scene) struct EdgesFile {
     expecting = "a table like { eye = [0, 1, 5], look_at = [0, 0, 0], hfov = \"40 deg\" }"
 )]
 pub(in crate::scene) struct Capture {
-    /// Position of the pinhole, metres.
+    /// Position of the pinhole, metres: in the coordinates of the world; if the objects move, in their own, whose zero is their `origin`.
+    /// So are `look_at`, `up` and `pose`.
     pub eye: Option<At<Vector>>,
     /// A point on the forward axis.
     pub look_at: Option<At<Vector>>,

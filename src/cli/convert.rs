@@ -106,6 +106,8 @@ struct Times {
     start: Option<f64>,
     width: Option<f64>,
     at_sensor: bool,
+    /// The refractive index of the medium in which its light travelled, if the file says it.
+    medium_index: Option<f64>,
 }
 
 impl Times {
@@ -114,11 +116,13 @@ impl Times {
             time.as_ref()
                 .map(|time: &nullray::spacetime::units::Time| time.metres(SPEED_OF_LIGHT))
         };
-        let said = cube::times(&arguments.input, arguments.array.as_deref())?;
+        let recorded = cube::recorded(&arguments.input, arguments.array.as_deref())?;
+        let said = recorded.times;
         Ok(Times {
             start: metres(&arguments.start).or(said.map(|said| said.start)),
             width: metres(&arguments.bin_width).or(said.map(|said| said.width)),
             at_sensor: said.is_some_and(|said| said.at_sensor),
+            medium_index: recorded.medium_index,
         })
     }
 
@@ -171,7 +175,8 @@ fn shift(
         let what = "the width of a bin is not known, or not above 0";
         return Err(refused(option, what, "add it, like --bin-width \"0.05 m\""));
     };
-    let index = arguments.medium_index.unwrap_or(1.0);
+    let said = arguments.medium_index.or(times.medium_index);
+    let index = said.unwrap_or(1.0);
     let distances = distances(file, size, arguments.memory.bytes())?;
     let shift = |distance: f64| match distance > 0.0 && distance.is_finite() {
         true => sign * index * distance / width,

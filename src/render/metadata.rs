@@ -215,6 +215,18 @@ fn sensor(camera: &CameraModel) -> Vec<(&'static str, String)> {
     pairs
 }
 
+/// The table in scene files of what a radiance measures, like `{ quantity = "photons" }`.
+pub fn radiance(quantity: Quantity) -> String {
+    let name = quantity.kind().name();
+    match quantity.line() {
+        Some(line) => format!(
+            "{{ quantity = {name:?}, wavelength = \"{} m\" }}",
+            wavelength(line)
+        ),
+        None => format!("{{ quantity = {name:?} }}"),
+    }
+}
+
 /// A wavelength in metres, in the shortest form with an exponent: 8.3e-7.
 fn wavelength(metres: f64) -> String {
     // Twelve digits: a product with 1e-9 may differ from the intended number in the last digit.

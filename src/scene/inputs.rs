@@ -11,13 +11,10 @@ use glam::DVec3;
 
 use super::at::At;
 use super::memory::Memory;
-use super::model::CubeBacks;
 use crate::error::Result;
-use crate::io::budget::Budget;
 use crate::io::colmap::ColmapPicture;
-use crate::io::cube::FileTimes;
+use crate::io::cube::Recorded;
 use crate::io::gltf::GltfTrack;
-use crate::io::npy;
 
 /// The pose of a camera.
 #[derive(Debug, Clone)]
@@ -44,8 +41,8 @@ pub(super) struct FileCache {
     tables: Mutex<HashMap<PathBuf, Rows>>,
     /// Arrays of one axis, by file and array.
     numbers: Mutex<HashMap<InFile, Vec<f64>>>,
-    /// Time axes stored in files of cubes, by file and array.
-    times: Mutex<HashMap<InFile, Option<FileTimes>>>,
+    /// What files of cubes say of their light, by file and array.
+    recorded: Mutex<HashMap<InFile, Recorded>>,
 }
 
 /// A file, and the name of the item in it.
@@ -92,15 +89,15 @@ impl FileCache {
         once(&self.tables, path.to_path_buf(), read)
     }
 
-    /// The time axis stored for an array in the cube file at `path`, as first read; `read` reads it.
-    pub fn times(
+    /// What the cube file at `path` says of the light in an array, as first read; `read` reads it.
+    pub fn recorded(
         &self,
         path: &Path,
         array: Option<&str>,
-        read: impl FnOnce() -> Result<Option<FileTimes>>,
-    ) -> Result<Option<FileTimes>> {
+        read: impl FnOnce() -> Result<Recorded>,
+    ) -> Result<Recorded> {
         let array = array.map(str::to_string);
-        once(&self.times, (path.to_path_buf(), array), read)
+        once(&self.recorded, (path.to_path_buf(), array), read)
     }
 
     /// The numbers of an array of the file at `path`, as first read; `read` reads them.
@@ -155,26 +152,8 @@ pub(super) struct Inputs {
     tables: RefCell<HashMap<usize, Result<Vec<[f64; 2]>>>>,
     /// By place in the text: the numbers in the file named there.
     numbers: RefCell<HashMap<usize, Result<Vec<f64>>>>,
-    /// By place in the text: the time axis in the cube file named there.
-    times: RefCell<HashMap<usize, Result<Option<FileTimes>>>>,
-    /// By place in the text: what the file of baked light named there says of backs.
-    backs: HashMap<usize, CubeBacks>,
-}
-
-/// What the backs show of a cube that `nullray bake` has written to `path`, by its metadata.
-pub(crate) fn backs_of_baked(path: &Path) -> CubeBacks {
-    // Metadata are no longer than a few scenes.
-    const MOST: u64 = 1 << 26;
-    if path.extension().is_none_or(|ending| ending != "npz") {
-        return CubeBacks::default();
-    }
-    let text = npy::load_text(path, "metadata", &Budget::new(MOST));
-    let said = text
-        .ok()
-        .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
-    let name = said.map(|said| said[CubeBacks::KEY].clone());
-    name.and_then(|name| serde_json::from_value(name).ok())
-        .unwrap_or_default()
+    /// By place in the text: what the cube file named there says of its light.
+    recorded: RefCell<HashMap<usize, Result<Recorded>>>,
 }
 
 impl Inputs {
@@ -237,27 +216,15 @@ impl Inputs {
         self.tables.get_mut().insert(file.span.start, rows);
     }
 
-    /// Records the time axis of the cube in the file named at `file`, or why it cannot be read.
-    pub fn add_times(&mut self, file: &At<String>, times: Result<Option<FileTimes>>) {
-        self.times.get_mut().insert(file.span.start, times);
+    /// Records what the file named at `file` says of the light in its cube, or why it cannot be read.
+    pub fn add_recorded(&mut self, file: &At<String>, recorded: Result<Recorded>) {
+        self.recorded.get_mut().insert(file.span.start, recorded);
     }
 
-    /// The time axis of the cube in the file named at `file`, if it was looked for. Can be called once.
-    pub fn times(&self, file: &At<String>) -> Option<Result<Option<FileTimes>>> {
-        self.times.borrow_mut().remove(&file.span.start)
-    }
-
-    /// Records what the file of baked light named at `file` says of backs.
-    pub fn add_backs(&mut self, file: &At<String>, backs: CubeBacks) {
-        self.backs.insert(file.span.start, backs);
-    }
-
-    /// What the file of baked light named at `file` says of backs.
-    pub fn backs(&self, file: &At<String>) -> CubeBacks {
-        self.backs
-            .get(&file.span.start)
-            .copied()
-            .unwrap_or_default()
+    /// What the file named at `file` says of the light in its cube; nothing, if it was not looked for. Can be called once.
+    pub fn recorded(&self, file: &At<String>) -> Result<Recorded> {
+        let found = self.recorded.borrow_mut().remove(&file.span.start);
+        found.unwrap_or_else(|| Ok(Recorded::default()))
     }
 
     /// Records the numbers in the file named at `file`, or why they cannot be read.

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::at::At;
 use super::file;
-use super::inputs::{FileCache, Inputs, Pose, backs_of_baked};
+use super::inputs::{FileCache, Inputs, Pose};
 use super::memory::{self, Memory};
 use super::model::Scene;
 use super::overrides::{self, Overrides};
@@ -212,7 +212,7 @@ fn read_spectrum(inputs: &mut Inputs, cache: &FileCache, spectrum: &Option<At<fi
     }
 }
 
-/// Looks for the file of a cube or for the pictures of a sequence, and reads what the file says of its time axis if the scene does not.
+/// Looks for the file of a cube or for the pictures of a sequence, and reads what the file says of its light.
 fn look_for_cube(inputs: &mut Inputs, cache: &FileCache, cube: &file::Cube) {
     let name = &cube.file;
     if name.value.starts_with(memory::PREFIX) {
@@ -231,12 +231,8 @@ fn look_for_cube(inputs: &mut Inputs, cache: &FileCache, cube: &file::Cube) {
         }
     }
     if inputs.problem(name).is_none() && format.is_some() {
-        let times = cache.times(&path, array, || cube::times(&path, array));
-        inputs.add_times(name, times);
-    }
-    let backs = cube.backs.as_ref().map(|at| at.value);
-    if inputs.problem(name).is_none() && backs == Some(file::Backs::AsBaked) {
-        inputs.add_backs(name, backs_of_baked(&path));
+        let recorded = cache.recorded(&path, array, || cube::recorded(&path, array));
+        inputs.add_recorded(name, recorded);
     }
 }
 

@@ -135,7 +135,6 @@ mod tree;
 mod values;
 
 pub use builder::{Builder, Value};
-pub(crate) use inputs::backs_of_baked;
 pub use load::{SceneFile, load, parse};
 pub(crate) use model_scene::MADE_FOR_MODEL;
 pub use model_scene::{Flash, FlashLight, Heading, ModelScene, ModelView, model_scene};

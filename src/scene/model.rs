@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::{Continuation, Spectrum};
-use crate::io::cube::{Axes, Channels, Cube, CubeChannel, Negative, Transfer, Wanted};
+use crate::io::cube::{Axes, Channels, Cube, CubeChannel, Negative, Recorded, Transfer, Wanted};
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
@@ -266,6 +266,8 @@ pub struct CubeSource {
     pub reconstruction: Reconstruction,
     /// Factor on all values.
     pub scale: f64,
+    /// What its file says of its light.
+    pub recorded: Recorded,
     /// The keys that the scene omits and its file gives, with their values.
     pub read: Vec<String>,
     /// The keys that the scene omits, with the values assumed.
@@ -521,6 +523,11 @@ pub enum Clock {
 }
 
 impl Clock {
+    /// That of this name in scene files.
+    pub(crate) fn named(name: &str) -> Option<Clock> {
+        serde_json::from_value(name.into()).ok()
+    }
+
     /// Its name in scene files.
     pub fn name(self) -> &'static str {
         match self {
@@ -578,6 +585,11 @@ pub enum CubeBacks {
 impl CubeBacks {
     /// The key in files of baked light.
     pub(crate) const KEY: &str = "backs";
+
+    /// That of this name in scene files.
+    pub(crate) fn named(name: &str) -> Option<CubeBacks> {
+        serde_json::from_value(name.into()).ok()
+    }
 
     /// Its name in scene files.
     pub fn name(self) -> &'static str {

@@ -69,7 +69,7 @@ pub struct ConvertArguments {
     /// into the output.
     #[arg(long, value_name = "FILE")]
     pub surface: Option<PathBuf>,
-    /// Refractive index of the medium, for --unwarp and --warp. Default: 1.
+    /// Refractive index of the medium, for --unwarp and --warp. Default: what the file says, or 1.
     #[arg(long, value_name = "N", requires = "way", value_parser = values::positive)]
     pub medium_index: Option<f64>,
     /// Width of the input's bins, like "0.05 m" or "4 ps"; needed for --unwarp and --warp unless the file says it.

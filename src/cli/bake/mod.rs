@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use nullray::error::{Message, Setting, number};
-use nullray::io::budget::Budget;
 use nullray::io::image::npz::{self, CubeOptions};
 use nullray::io::npy;
 use nullray::io::sealed::hexadecimal;
@@ -673,11 +672,8 @@ impl Job {
 
     /// An entry of the metadata of its file, if that exists.
     fn said(&self, key: &str) -> Option<String> {
-        // Metadata are no longer than a few scenes.
-        let budget = Budget::new(1 << 26);
-        let text = npy::load_text(&self.path, "metadata", &budget).ok()?;
-        let said: serde_json::Value = serde_json::from_str(&text).ok()?;
-        said[key].as_str().map(str::to_owned)
+        let said = npy::load_metadata(&self.path)?;
+        said.get(key)?.as_str().map(str::to_owned)
     }
 
     /// The number of samples among `possible` of the parts that are kept, if there are any.

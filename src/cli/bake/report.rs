@@ -3,9 +3,11 @@
 use nullray::error::number;
 use nullray::mesh::Factors;
 use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface};
+use nullray::render::metadata;
 use nullray::render::plan::Plan;
 use nullray::render::prepare::Prepared;
 use nullray::scene::model::{CubeBacks, Scene};
+use nullray::spacetime::Quantity;
 use nullray::spacetime::units::Angle;
 
 use super::Job;
@@ -172,6 +174,11 @@ pub fn source(
         number(bins.start),
         number(bins.width)
     );
+    // The quantity that a source has if nothing says another.
+    let radiance = match scene.quantity {
+        Quantity::Integrated => String::new(),
+        other => format!("radiance = {}\n", metadata::radiance(other)),
+    };
     match &job.surface {
         Some(surface) => {
             let object = &scene.objects[surface.object].name;
@@ -190,7 +197,7 @@ pub fn source(
                 ),
             };
             format!(
-                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {set}, backs = \"{backs}\" }}\n",
+                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {set}, backs = \"{backs}\" }}\n{radiance}",
                 format!("light on {object}"),
             )
         }
@@ -200,7 +207,7 @@ pub fn source(
             let vector = |v: glam::DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
             format!(
                 "[[source]]\nname = \"light\"\ncube = {{ {axis}, clock = \"{}\", capture = {{ eye = {}, look_at = {}, up = {}, \
-                 hfov = \"{}\" }} }}\n",
+                 hfov = \"{}\" }} }}\n{radiance}",
                 baked.clock.name(),
                 vector(eye),
                 vector(eye + forward),

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Bricks, CubeFormat, CubeInfo, Transfer, Wanted};
 use nullray::io::npy::{self, Dtype, Header};
 use nullray::light::time_texture::survey::{self, Order};
@@ -23,9 +22,10 @@ pub fn info(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
 
 fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     let (name, headers) = (format.name, (format.arrays)(path)?);
-    let metadata = metadata(path, &headers, memory);
+    let metadata = metadata(path, &headers);
     let baked = metadata.as_ref().filter(|told| is_baked(told, &headers));
-    let is_picture = baked.is_none() && is_picture(&headers);
+    let is_cube = |told: &Map<_, _>| told.contains_key("bin_width");
+    let is_picture = !metadata.as_ref().is_some_and(is_cube) && is_picture(&headers);
     let title = match headers.as_slice() {
         headers if baked.is_some() => format!("baked light, {} arrays", headers.len()),
         headers if is_picture => format!("picture of {} arrays", headers.len()),
@@ -43,7 +43,8 @@ fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     // All arrays together, however many there are, may cost as much as one large one.
     let (mut looked_at, mut left) = (0, most_read(memory));
     let arrays = headers.iter().map(|header| {
-        let is_beside = baked.is_some() || said.is_some() && said != header.name;
+        let is_metadata = metadata.is_some() && header.name.as_deref() == Some("metadata");
+        let is_beside = baked.is_some() || is_metadata || said.is_some() && said != header.name;
         let may_be_cube = !is_picture && !is_beside;
         if may_be_cube && looked_at == MOST {
             return data(header, None);
@@ -75,10 +76,9 @@ fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
 }
 
 /// The metadata that nullray writes into its archives; empty for other files.
-fn metadata(path: &Path, headers: &[Header], memory: u64) -> Option<Map<String, Value>> {
+fn metadata(path: &Path, headers: &[Header]) -> Option<Map<String, Value>> {
     named(headers, "metadata")?;
-    let text = npy::load_text(path, "metadata", &Budget::new(memory)).ok()?;
-    serde_json::from_str(&text).ok()
+    npy::load_metadata(path)
 }
 
 /// Whether these are the metadata and arrays of light baked by `nullray bake`.
@@ -101,6 +101,10 @@ fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
     let [bins, width, start] = ["bins", "bin_width", "start"].map(said);
     info.row("bins", format!("{bins} of {width} m from {start} m"));
     info.row("clock", said("clock"));
+    info.row("radiance", said("radiance_quantity"));
+    if let Some(index) = text("medium_index").filter(|index| *index != "1") {
+        info.row("medium", format!("refractive index {index}"));
+    }
     let number = |key: &str| text(key).and_then(|number| number.parse::<f64>().ok());
     let is_dark = number("energy_in_bins") == Some(0.0);
     // Files of older versions do not have these times.

@@ -35,9 +35,10 @@ pub fn info(path: &Path, memory: u64) -> Result<Info> {
         }
     }
     settings(&mut info, &scene);
-    let unread = plan::unread(&scene);
-    info.list("warning", &unread, String::clone);
-    info.data("warnings", unread);
+    let mut warnings = plan::unread(&scene);
+    warnings.extend(plan::contradicted(&scene));
+    info.list("warning", &warnings, String::clone);
+    info.data("warnings", warnings);
     info.names(
         "panels",
         scene.panels.iter().map(|p| p.name.clone()).collect(),

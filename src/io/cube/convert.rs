@@ -10,6 +10,7 @@ use super::axes::{Arrangement, Axes};
 use super::channels::Channels;
 #[cfg(feature = "hdf5")]
 use super::hdf5;
+use super::recorded::{self, Recorded};
 use super::shifts::Shifts;
 use super::store::Store;
 use super::wanted::{FileTimes, Wanted};
@@ -304,12 +305,19 @@ impl<'a> Work<'a> {
             .collect();
         let failed = || Error::io(to, "cannot write");
         let dtype = self.dtype.clone();
-        #[cfg(any(feature = "hdf5", feature = "zarr"))]
         let times = self.to_come.times.map(|times| FileTimes {
             start: times.start + self.later() * times.width,
             width: times.width * self.merge as f64,
             ..times
         });
+        let recorded = recorded::of_archive(&self.from, self.wanted.array).unwrap_or_default();
+        let metadata = Recorded {
+            times,
+            // Shifts are from one clock to another.
+            clock: recorded.clock.filter(|_| self.to_come.shift.is_none()),
+            ..recorded
+        }
+        .metadata();
         #[cfg(feature = "zarr")]
         let zarr = match form {
             Form::Zarr => Some(ZarrFolder::new(to, &dtype, &sizes, axes, times)?),
@@ -343,7 +351,7 @@ impl<'a> Work<'a> {
             Form::Numpy => {
                 let shape: Vec<String> = sizes.iter().map(usize::to_string).collect();
                 let shape = format!("({})", shape.join(", "));
-                npz::write_stream(to, descriptor(&dtype), &shape, &mut samples)
+                npz::write_stream(to, descriptor(&dtype), &shape, &metadata, &mut samples)
             }
             #[cfg(feature = "hdf5")]
             Form::Hdf5 => image::write_atomically(to, |writer| {

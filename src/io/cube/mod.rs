@@ -25,6 +25,7 @@ mod number;
 mod pages;
 mod picture;
 mod pieces;
+mod recorded;
 mod samples;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod selection;
@@ -51,11 +52,12 @@ pub use channels::{Channels, CubeChannel};
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
 pub use format::{ByPath, CubeFormat};
-pub use negative::{BelowZero, Negative};
 pub(crate) use negative::Counted;
+pub use negative::{BelowZero, Negative};
 pub use pages::BRICK;
 pub use picture::frame_count;
 pub(crate) use pieces::Pieces;
+pub use recorded::{Recorded, recorded};
 pub use samples::{Cube, CubeError, CubeSamples};
 pub use sequence::{frame_size, is_picture};
 pub use table::{

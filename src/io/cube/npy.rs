@@ -14,8 +14,9 @@ use super::channels::Channels;
 use super::format::{CubeFormat, Parts, Recognition, itself};
 use super::layout::StoredLayout;
 use super::number::{Number, exact_i64, exact_u64};
+use super::recorded;
 use super::samples::{Cube, CubeSamples, place_of};
-use super::wanted::{CubeInfo, Wanted};
+use super::wanted::{CubeInfo, FileTimes, Wanted};
 use crate::Result;
 use crate::io::files::ReadSeek;
 use crate::io::npy::{self, Dtype, Header, Place, Stored, WRITE_AGAIN};
@@ -48,6 +49,20 @@ pub(super) const ARCHIVE: CubeFormat = CubeFormat {
     name: "NumPy archive",
     extensions: &["npz"],
     named: true,
+    inspect: |input, wanted| {
+        let path = input.path;
+        let mut info = inspect(&mut input.buffered()?, path, wanted)?;
+        let recorded = recorded::of_archive(path, wanted.array);
+        let times = recorded.and_then(|recorded| recorded.times);
+        info.notes
+            .extend(times.map(|FileTimes { start, width, .. }| {
+                format!("start {start} m, bin_width {width} m, by its metadata")
+            }));
+        Ok(info)
+    },
+    times: |input, array| {
+        Ok(recorded::of_archive(input.path, array).and_then(|recorded| recorded.times))
+    },
     // A local file header, or the end record of an archive without members.
     recognition: Recognition::ByStart(&[b"PK\x03\x04", b"PK\x05\x06"]),
     parts: Parts::WrittenOut(|input, wanted, to| {

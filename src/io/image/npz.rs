@@ -160,8 +160,8 @@ pub fn write_cube_with(path: &Path, cube: &Cube, options: &CubeOptions) -> Resul
     )
 }
 
-/// Writes an array whose bytes `write` provides, as the array `radiance` of a `.npz` file or as a `.npy` file, completely or not at all.
-/// `shape` is in Python syntax.
+/// Writes an array whose bytes `write` provides, as the array `radiance` of a `.npz` file, with `metadata` if there are any, or as a `.npy`
+/// file, completely or not at all. `shape` is in Python syntax.
 ///
 /// # Errors
 /// Those of `write`; I/O errors.
@@ -169,9 +169,14 @@ pub(crate) fn write_stream(
     path: &Path,
     descriptor: &str,
     shape: &str,
+    metadata: &[(String, String)],
     write: &mut dyn FnMut(&mut dyn Write) -> Result<()>,
 ) -> Result<()> {
-    write_arrays(path, (descriptor, shape), write, &CubeOptions::default())
+    let options = CubeOptions {
+        metadata,
+        ..CubeOptions::default()
+    };
+    write_arrays(path, (descriptor, shape), write, &options)
 }
 
 /// The same, and in an archive the additional contents of `options`.

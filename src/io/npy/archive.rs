@@ -6,6 +6,7 @@ use std::path::Path;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use super::METADATA;
 use super::header::{self, Header};
 use super::place::{MEMBERS, Place, WRITE_AGAIN};
 use crate::io::files::ReadSeek;
@@ -235,10 +236,14 @@ fn members(archive: &ZipArchive<&mut dyn ReadSeek>, file: &Path) -> Result<Vec<(
 
 /// The requested array, or the only one.
 fn choose(
-    members: Vec<(usize, String)>,
+    mut members: Vec<(usize, String)>,
     file: &Path,
     array: Option<&str>,
 ) -> Result<(usize, String)> {
+    // Metadata only describe the other arrays.
+    if array.is_none() && members.len() > 1 {
+        members.retain(|(_, name)| name != METADATA);
+    }
     let names = names(&members);
     let (place, what, help) = match array {
         Some(wanted) => match members.into_iter().find(|(_, name)| name == wanted) {

@@ -15,6 +15,8 @@ mod place;
 use std::io::BufReader;
 use std::path::Path;
 
+use serde_json::{Map, Value};
+
 pub(super) use archive::{Stored, with_array};
 pub use array::{Numbers, Plain};
 pub use header::{Dtype, Header};
@@ -23,6 +25,9 @@ pub(super) use place::{Place, WRITE_AGAIN};
 use super::budget::Budget;
 use super::open::open_regular;
 use crate::Result;
+
+/// The array of the texts that describe the others of an archive of nullray.
+const METADATA: &str = "metadata";
 
 /// The headers of all arrays of a `.npy` or `.npz` file, or of the one named `array`; no samples
 /// are read.
@@ -65,4 +70,11 @@ pub fn load_text(path: &Path, array: &str, budget: &Budget) -> Result<String> {
     let (file, _) = open_regular(path)?;
     let read = |stored: &mut Stored| array::text(stored, path, budget);
     with_array(&mut BufReader::new(file), path, Some(array), read)
+}
+
+/// The metadata that nullray writes into its archives, an object of texts; `None` for other files.
+pub fn load_metadata(path: &Path) -> Option<Map<String, Value>> {
+    // No longer than a few scenes.
+    let text = load_text(path, METADATA, &Budget::new(1 << 26)).ok()?;
+    serde_json::from_str(&text).ok()
 }

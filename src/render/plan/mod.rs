@@ -10,6 +10,7 @@ mod inside;
 mod memory;
 mod notes;
 mod planned;
+mod recorded;
 mod report;
 
 use crate::accel::{Precision, Preset};
@@ -21,7 +22,6 @@ use crate::light::time_texture::TimeTexture;
 use crate::mesh::{Factors, shapes};
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
-use crate::scene::backs_of_baked;
 use crate::scene::model::{
     Crop, CubeBacks, CubeData, CubeSource, Elements, Geometry, Mapping, Object, Scene, Shape,
     Source, SourceKind, Spectra, TimeBins,
@@ -32,6 +32,7 @@ pub(crate) use memory::BUILT_TOGETHER;
 pub use notes::unread;
 pub(crate) use notes::{is_moot, unfound_light, unshown};
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
+pub use recorded::contradicted;
 pub use report::{bytes, count, motion};
 
 impl Plan {
@@ -423,8 +424,8 @@ fn check_backs(scene: &Scene, source: &Source, cube: &CubeSource, rows: usize) -
 
 /// Whether a file written by `nullray bake` says that it contains backs.
 fn has_rows_of_backs(cube: &CubeSource) -> bool {
-    let said = cube.data.path().map(backs_of_baked);
-    said == Some(CubeBacks::SecondHalf)
+    let said = cube.recorded.backs.as_deref();
+    said.and_then(CubeBacks::named) == Some(CubeBacks::SecondHalf)
 }
 
 /// Refuses a table of edges that does not match the number of bins.

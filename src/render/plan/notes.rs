@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::bindings::{Lit, lit_by};
 use super::planned::{Plan, PlannedObject, Skipped};
+use super::recorded::contradicted;
 use crate::camera::{Shot, ViewKind};
 use crate::colour::{Continuation, Spectrum, SpectrumShape};
 use crate::io::cube::CubeChannel;
@@ -313,6 +314,7 @@ pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     notes.extend(opaque_glass(scene, objects));
     notes.extend(lost_spectra(scene, objects));
     notes.extend(unread_companions(scene));
+    notes.extend(contradicted(scene));
     notes.extend(bright_colours(scene, objects));
     notes
 }

@@ -59,11 +59,12 @@ pub(in crate::scene) struct Cube {
     /// and "UV" (ultraviolet, 100 to 360 nm), which shift into view; these need quantity = "rgb". For .exr pictures the names are those
     /// in the file. Default: one channel is grey, three are ["R", "G", "B"].
     pub channels: Option<At<Vec<String>>>,
-    /// Time at the start of bin 0, on the clock of `clock`. Default: "0 m".
+    /// Time at the start of bin 0, on the clock of `clock`. Default: what the file says (.ti, HDF5, Zarr, and .npz of nullray), or "0 m".
     pub start: Option<At<Time>>,
     /// Time at the centre of bin 0, in place of `start`.
     pub first_center: Option<At<Time>>,
-    /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, except for steady pictures and if the file gives it (.ti).
+    /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, except for steady pictures and if the file says it (.ti, HDF5,
+    /// Zarr, and .npz of nullray).
     pub bin_width: Option<At<Time>>,
     /// Bins of different widths, in place of `start` and `bin_width`: the start of each bin, and the end of the last,
     /// like ["0 m", "0.1 m", "0.3 m"]; `edges_file` reads them from a file.
@@ -78,7 +79,7 @@ pub(in crate::scene) struct Cube {
     pub negative: Option<At<Negative>>,
     /// The clock of the time axis: "world" (time of emission), "object" (the emitting object's own time
     /// of emission) or "capture" (arrival at the capture camera: time of emission + η × distance to its
-    /// pinhole). Default: "world".
+    /// pinhole; both in the frame of objects that move). Default: what an .npz of nullray says, or "world".
     pub clock: Option<At<Clock>>,
     /// Whether a value is the integral over its bin, "per_bin", or the mean per metre, "density".
     /// Default: "per_bin".

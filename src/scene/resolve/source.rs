@@ -6,7 +6,7 @@ use super::context::Context;
 use super::{binding, object, pose, radiance};
 use crate::error::{Result, number};
 use crate::io::colmap::ColmapPicture;
-use crate::io::cube::{self, Axes, Channels, CubeFormat, is_picture};
+use crate::io::cube::{self, Axes, Channels, CubeFormat, Recorded, is_picture};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
@@ -121,16 +121,20 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         Some(axes) => !axes.has_time(),
         None => is_picture(&cx.inputs.base.join(&cube.file.value)),
     };
-    let time = match steady {
-        true => steady_time(cx, cube)?,
-        false => time_axis(cx, at)?,
+    let recorded = cx.inputs.recorded(&cube.file);
+    let (mut time, recorded) = match steady {
+        true => (steady_time(cx, cube)?, Recorded::default()),
+        false => time_axis(cx, at, recorded)?,
     };
     let channels = channels(cx, cube)?;
+    let data = data(cx, cube, axes)?;
+    let mapping = mapping(cx, cube, &recorded)?;
+    let clock = clock(cx, cube, &recorded, &mut time.read)?;
     Ok(CubeSource {
-        data: data(cx, cube, axes)?,
+        data,
         channels,
-        mapping: mapping(cx, cube)?,
-        clock: clock(cx, cube)?,
+        mapping,
+        clock,
         bins: time.bins,
         values: time.values,
         filter: time.filter,
@@ -140,17 +144,19 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         assumed: time
             .assumed
             .into_iter()
-            .chain(assumed(cube, steady))
+            .chain(assumed(cube, steady, (clock, &recorded)))
             .collect(),
+        recorded,
     })
 }
 
 /// The omitted keys with the values assumed, except `axes`: whether the file gives them is in its header.
-fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
+fn assumed(cube: &file::Cube, steady: bool, (clock, recorded): (Clock, &Recorded)) -> Vec<String> {
     let mut assumed = Vec::new();
     let mut says = |said: bool, what: &str| assumed.extend((!said).then(|| what.to_string()));
     if !steady {
-        says(cube.clock.is_some(), "clock = \"world\"");
+        let is_recorded = recorded.clock.is_some();
+        says(cube.clock.is_some() || is_recorded, "clock = \"world\"");
         says(cube.values.is_some(), "values = \"per_bin\"");
         says(cube.filter.is_some(), "filter = \"cubic_means\"");
     }
@@ -160,12 +166,8 @@ fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
             "reconstruction = \"bilinear\"",
         );
         // Mitsuba's rays begin on the near plane, and no file records where that is.
-        let counts = cube
-            .clock
-            .as_ref()
-            .is_some_and(|at| at.value == Clock::Capture);
         says(
-            !counts || capture.value.near_clip.is_some(),
+            clock != Clock::Capture || capture.value.near_clip.is_some(),
             "capture.near_clip = 0",
         );
     }
@@ -183,7 +185,12 @@ struct TimeKeys {
     filter: TimeFilter,
 }
 
-fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
+/// The time axis, and what the file says of its light.
+fn time_axis(
+    cx: &Context,
+    at: &At<file::Cube>,
+    recorded: Result<Recorded>,
+) -> Result<(TimeKeys, Recorded)> {
     let cube = &at.value;
     cx.exclusive((&cube.start, "start"), (&cube.first_center, "first_center"))?;
     let keys = |bins, read, assumed| TimeKeys {
@@ -201,10 +208,12 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
     };
     // A table of edges defines the whole axis.
     if let Some(edges) = edges(cx, cube)? {
-        return Ok(keys(edges, Vec::new(), Vec::new()));
+        let recorded = recorded.unwrap_or_default();
+        return Ok((keys(edges, Vec::new(), Vec::new()), recorded));
     }
     // The scene takes precedence over the cube's file.
-    let times = cx.inputs.times(&cube.file).transpose()?.flatten();
+    let recorded = recorded?;
+    let times = recorded.times;
     if times.is_some_and(|times| times.at_sensor) {
         let what = format!(
             "the times in {} are those of arrival at its sensor: they include the path from each point of the wall",
@@ -247,7 +256,7 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
         start,
         width: bin_width,
     };
-    Ok(keys(bins, read, assumed))
+    Ok((keys(bins, read, assumed), recorded))
 }
 
 /// The table of edges, if there is one.
@@ -433,7 +442,7 @@ fn cube_path(cx: &Context, file: &At<String>) -> Result<PathBuf> {
     cx.path(file, &cube::extensions().collect::<Vec<_>>())
 }
 
-fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
+fn mapping(cx: &Context, cube: &file::Cube, recorded: &Recorded) -> Result<Mapping> {
     cx.exclusive((&cube.uv, "uv"), (&cube.capture, "capture"))?;
     cx.exclusive((&cube.backs, "backs"), (&cube.capture, "capture"))?;
     if let Some(camera) = &cube.capture {
@@ -443,7 +452,10 @@ fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
         None | Some(file::Backs::AsFront) => CubeBacks::AsFront,
         Some(file::Backs::Black) => CubeBacks::Black,
         Some(file::Backs::SecondHalf) => CubeBacks::SecondHalf,
-        Some(file::Backs::AsBaked) => cx.inputs.backs(&cube.file),
+        Some(file::Backs::AsBaked) => {
+            let said = recorded.backs.as_deref();
+            said.and_then(CubeBacks::named).unwrap_or_default()
+        }
     };
     let Some(uv) = &cube.uv else {
         return Ok(Mapping::Uv { set: 0, backs });
@@ -484,7 +496,7 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
     };
     // The file's own field of view takes precedence over that of the glTF camera; of the latter only the horizontal one is known to apply
     // to the picture, whatever its shape.
-    let (fov, fov_axis) = match (&camera.hfov, &camera.fov, pose.gltf_fov) {
+    let (fov, fov_axis) = match (&camera.hfov, &camera.fov, film_fov) {
         (Some(hfov), _, _) => (pose::fov(cx, hfov, projection)?, FovAxis::X),
         (None, Some(fov), _) => (pose::fov(cx, fov, projection)?, fov_axis(cx, camera)?),
         (None, None, Some((Some(horizontal), _))) => (horizontal, FovAxis::X),
@@ -625,9 +637,27 @@ fn near_clip(cx: &Context, camera: &file::Capture) -> Result<f64> {
     Ok(near)
 }
 
-fn clock(cx: &Context, cube: &file::Cube) -> Result<Clock> {
+/// The clock that the scene states, or else the file, which is then among the keys `read`.
+fn clock(
+    cx: &Context,
+    cube: &file::Cube,
+    recorded: &Recorded,
+    read: &mut Vec<String>,
+) -> Result<Clock> {
     let Some(at) = &cube.clock else {
-        return Ok(Clock::default());
+        let Some(clock) = recorded.clock.as_deref().and_then(Clock::named) else {
+            return Ok(Clock::default());
+        };
+        if clock == Clock::Capture && cube.capture.is_none() {
+            let what = format!(
+                "the times in {} are those of arrival at the camera that captured it, whose position is missing",
+                quoted(&cube.file.value)
+            );
+            let help = "add capture = { eye = […], look_at = […], hfov = \"…\" }, or set clock = \"world\"";
+            return Err(cx.refuse(&cube.file, what, help));
+        }
+        read.push(format!("clock = \"{}\"", clock.name()));
+        return Ok(clock);
     };
     match at.value {
         Clock::Capture if cube.capture.is_none() => {

@@ -64,6 +64,50 @@ fn cubes_go_through_all_formats_and_come_back_bit_for_bit() {
 }
 
 #[test]
+fn archives_keep_the_times_that_are_known() {
+    let folder = Folder::empty();
+    let times = ["--start", "4 m", "--bin-width", "0.1 m"];
+    folder.ok(&[&["convert", &input(), "-o", "a.npz"][..], &times].concat());
+    let said = folder.ok(&[
+        "convert", "a.npz", "-o", "b.npz", "--bins", "20:80", "--merge", "4",
+    ]);
+    // Bin 20 begins at 4 m + 20 · 0.1 m.
+    assert!(
+        said.contains("start = \"6 m\", bin_width = \"0.4 m\""),
+        "{said}"
+    );
+    let said = folder.ok(&["info", "b.npz"]);
+    assert!(
+        said.contains("start 6 m, bin_width 0.4 m, by its metadata"),
+        "{said}"
+    );
+    assert!(
+        said.contains("yes: as the file of a [source.cube]"),
+        "{said}"
+    );
+    let lengths = [4.0f32; 32 * 40];
+    npz::write_cube(
+        &folder.path("d.npy"),
+        &Cube::new([32, 40, 1, 1], CubeSamples::F32(lengths.into())).unwrap(),
+    )
+    .unwrap();
+    let header = b"(32, 40, 1, 1)";
+    let mut map = folder.read("d.npy");
+    let at = map
+        .windows(header.len())
+        .position(|part| part == header)
+        .unwrap();
+    map[at..at + header.len()].copy_from_slice(b"(32, 40)      ");
+    folder.write("d.npy", map);
+    // Ten bins of the path of 4 m.
+    let said = folder.ok(&["convert", "b.npz", "-o", "c.npz", "--unwarp", "d.npy"]);
+    assert!(said.contains("start = \"2 m\""), "{said}");
+    let kept = load(&folder, "c.npz", None);
+    let sums = [load(&folder, "b.npz", None), kept].map(|cube| values(&cube).iter().sum::<f64>());
+    assert!((sums[0] / sums[1] - 1.0).abs() < 1e-2, "{sums:?}");
+}
+
+#[test]
 fn infrared_and_ultraviolet_of_frames_are_not_lost_without_a_word() {
     let folder = Folder::empty();
     let samples = (0..3 * 4 * 9 * 5).map(|n| 1.0 + n as f32).collect();

@@ -25,6 +25,7 @@ mod panels;
 mod passes;
 mod pixel;
 mod plan;
+mod recorded;
 mod reference;
 mod refused;
 mod render;

@@ -52,6 +52,15 @@ pub fn positive(text: &str) -> Result<f64, String> {
     fits.ok_or_else(|| "write a number above 0".into())
 }
 
+/// A speed as v/c, with or without the unit c.
+pub fn speed(text: &str) -> Result<f64, String> {
+    let number = text.trim();
+    let number = number.strip_suffix('c').unwrap_or(number).trim_end();
+    number
+        .parse()
+        .map_err(|_| "write v/c as a number, like 0.9".into())
+}
+
 pub fn not_negative(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
     let fits = number.filter(|number| *number >= 0.0 && number.is_finite());

@@ -55,6 +55,7 @@ pub struct MotionArguments {
         long,
         value_name = "BETA",
         group = "moves",
+        value_parser = values::speed,
         allow_negative_numbers = true
     )]
     pub flyby: Option<f64>,
@@ -63,6 +64,7 @@ pub struct MotionArguments {
         long,
         value_name = "BETA",
         group = "moves",
+        value_parser = values::speed,
         allow_negative_numbers = true
     )]
     pub accelerate: Option<f64>,
@@ -71,6 +73,7 @@ pub struct MotionArguments {
         long,
         value_name = "BETA",
         group = "moves",
+        value_parser = values::speed,
         allow_negative_numbers = true
     )]
     pub speeds: Option<f64>,

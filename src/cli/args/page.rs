@@ -21,6 +21,7 @@ pub struct PageArguments {
         long,
         value_name = "BETA",
         default_value_t = 0.9,
+        value_parser = values::speed,
         allow_negative_numbers = true
     )]
     pub beta: f64,

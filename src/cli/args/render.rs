@@ -124,7 +124,7 @@ impl PassArguments {
 #[command(next_help_heading = "Models without a scene (.glb, .gltf)")]
 pub struct ModelArguments {
     /// The camera's speed v/c, above -1 and below 1. Default: at rest; 0.5 for --flyby.
-    #[arg(long, value_name = "BETA", allow_negative_numbers = true)]
+    #[arg(long, value_name = "BETA", value_parser = values::speed, allow_negative_numbers = true)]
     pub beta: Option<f64>,
     /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it. Default: x.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true)]

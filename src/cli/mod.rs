@@ -43,8 +43,10 @@ mod tessellation;
 mod values;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 
 use clap::Parser;
 use nullray::{Error, Result};
@@ -153,9 +155,12 @@ fn say(quiet: bool, text: &str) -> Result<()> {
     if quiet { Ok(()) } else { print(text) }
 }
 
-/// Writes warnings to standard error unless `quiet`.
+/// Writes warnings to standard error unless `quiet`, each once: a model is loaded to frame it, to expose it, and to render it.
 fn warn<'a>(quiet: bool, warnings: impl IntoIterator<Item = &'a String>) {
-    for text in warnings.into_iter().filter(|_| !quiet) {
+    static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
+    let news = |text: &&String| !quiet && told.insert((*text).clone());
+    for text in warnings.into_iter().filter(news) {
         complain(&format!("warning: {}\n", info::escaped(text)));
     }
 }

@@ -84,7 +84,13 @@ pub fn report(
                 "no diffuse light leaves its fronts, and its backs are not seen (display.back_faces = \"two_sided\")"
             }
         };
-        warnings.push(format!("{why}: it is black"));
+        let object = job
+            .surface
+            .and_then(|surface| plan.objects.get(surface.object));
+        let whose = object.map_or_else(String::new, |object| {
+            format!("object \"{}\": ", object.name)
+        });
+        warnings.push(format!("{whose}{why}: it is black"));
         return (text, warnings);
     };
     let part = |energy: f64| 100.0 * energy / all;

@@ -23,7 +23,7 @@ use super::accessor::{self, Layout, Purpose};
 use super::buffers::Buffers;
 use super::camera;
 use super::document::{Document, label, listed, shortened};
-use super::nodes::{Hierarchy, local, named, parents, placing};
+use super::nodes::{Hierarchy, NO_ROTATION, local, named, parents, placing};
 use super::summary::refuse_outside;
 use super::warnings::Warnings;
 use crate::Result;
@@ -364,18 +364,13 @@ struct Posed<'c> {
 
 impl<'c> Posed<'c> {
     fn new(document: &Document, node: usize, own: &[&'c Channel]) -> Result<Self> {
-        let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-        let described = document.root.nodes.get(node);
+        let numbers = document.transforms.get(node);
         Ok(Posed {
-            rest: match described {
-                Some(rest) => local(document, rest, node, &mut Warnings::default())?,
-                None => DAffine3::IDENTITY,
-            },
-            translation: described
-                .and_then(|n| n.translation)
-                .map_or(DVec3::ZERO, wide),
-            rotation: (described.and_then(|n| n.rotation).unwrap_or_default().0).map(f64::from),
-            scale: described.and_then(|n| n.scale).map_or(DVec3::ONE, wide),
+            rest: local(document, node, &mut Warnings::default())?,
+            translation: (numbers.and_then(|n| n.translation))
+                .map_or(DVec3::ZERO, DVec3::from_array),
+            rotation: (numbers.and_then(|n| n.rotation)).unwrap_or(NO_ROTATION),
+            scale: (numbers.and_then(|n| n.scale)).map_or(DVec3::ONE, DVec3::from_array),
             channels: own.to_vec(),
         })
     }

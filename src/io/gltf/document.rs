@@ -10,6 +10,7 @@ use serde::de::IgnoredAny;
 
 use super::container::{self, Storage};
 use super::extensions::{self, UNDERSTOOD};
+use super::transforms::{self, Numbers};
 use crate::error::{Error, Message, Result};
 use crate::io::open::open_regular;
 
@@ -20,6 +21,8 @@ pub(super) struct Document<'a> {
     /// The directory to which URIs are relative; `None` for a document in memory.
     pub directory: Option<PathBuf>,
     pub root: Root,
+    /// The transforms of the nodes of `root`, which has them in single precision only.
+    pub transforms: Vec<Numbers>,
     /// Animation and channel indices of channels without a node, which are left out of `root`.
     pub without_node: Vec<[usize; 2]>,
     /// The extensions that the file declares as used.
@@ -57,6 +60,8 @@ impl<'a> Document<'a> {
             directory: None,
             used: used.cloned().collect(),
             named: extensions::named(&container.json),
+            transforms: transforms::of_nodes(&container.json)
+                .map_err(|error| unreadable(&container.json, &error, file))?,
             root,
             without_node,
             bin: container.bin,

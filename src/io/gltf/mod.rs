@@ -36,6 +36,7 @@ mod uri;
 mod vertices;
 mod warnings;
 
+mod transforms;
 use std::path::Path;
 
 pub use animation::GltfTrack;

@@ -1,8 +1,8 @@
 //! The node hierarchy (glTF 2.0 §3.5): world transforms, and the selection of nodes.
 //!
-//! A node's local transform is T·R·S or a matrix; its world transform is the product from the root down. The f32 numbers of the file are
-//! exact in f64, and all products are computed in f64. Rotation quaternions are normalized, because f32 cannot represent most unit
-//! quaternions exactly.
+//! A node's local transform is T·R·S or a matrix; its world transform is the product from the root down. The numbers of the file are read
+//! as f64, and all products are computed in f64. Rotation quaternions are normalized, because most unit quaternions have no exact
+//! decimals.
 
 use ::gltf::json::Value;
 use ::gltf::json::scene::Node;
@@ -42,10 +42,7 @@ impl Hierarchy {
         let roots = hierarchy.roots().map(|root| (root, DAffine3::IDENTITY));
         let mut stack: Vec<_> = roots.collect();
         while let Some((index, parent)) = stack.pop() {
-            let Some(node) = nodes.get(index) else {
-                continue;
-            };
-            let world = parent * local(document, node, index, warnings)?;
+            let world = parent * local(document, index, warnings)?;
             if !world.is_finite() {
                 let what = "its transform goes beyond the range of numbers";
                 return Err(document.invalid(document.node_label(index), what, FINITE));
@@ -243,7 +240,6 @@ pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
 /// The local transform of the node.
 pub(super) fn local(
     document: &Document,
-    node: &Node,
     index: usize,
     warnings: &mut Warnings,
 ) -> Result<DAffine3> {
@@ -252,9 +248,12 @@ pub(super) fn local(
         Err(document.invalid(place, what, help))
     };
     let has_parts = node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
-    if let Some(matrix) = node.matrix {
-        let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+    if let Some(matrix) = &node.matrix {
+        let matrix = DMat4::from_cols_array(matrix);
         return match (matrix.row(3) == DVec4::W, has_parts) {
+/// The quaternion of a node without a rotation.
+pub(super) const NO_ROTATION: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
             (true, false) => Ok(DAffine3::from_mat4(matrix)),
             (false, _) => invalid(
                 "its matrix is not affine",
@@ -262,11 +261,14 @@ pub(super) fn local(
             ),
             (true, true) => invalid(
                 "it has both a matrix and translation, rotation or scale",
+    let Some(node) = document.transforms.get(index) else {
+        return Ok(DAffine3::IDENTITY);
+    };
                 "give one of the two",
             ),
         };
     }
-    let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
+    let [x, y, z, w] = node.rotation.unwrap_or(NO_ROTATION);
     let norm = x * x + y * y + z * z + w * w;
     if !(norm > 0.0 && norm.is_finite()) {
         let help = "a rotation is a quaternion x, y, z, w of length 1";
@@ -277,12 +279,10 @@ pub(super) fn local(
         let what = "the rotation is not of length 1: it is normalized";
         warnings.add(what, &document.node_label(index));
     }
-    let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]).map(f64::from));
-    let translation = node.translation.unwrap_or_default().map(f64::from);
     Ok(placing(
-        DVec3::from_array(translation),
+        DVec3::from_array(node.translation.unwrap_or_default()),
         ([x, y, z, w], norm),
-        scale,
+        node.scale.map_or(DVec3::ONE, DVec3::from_array),
     ))
 }
 

@@ -14,6 +14,7 @@ mod gltf;
 mod gltf_animations;
 mod gltf_normals;
 #[cfg(feature = "hdf5")]
+mod gltf_poses;
 mod hdf5;
 mod image_files;
 mod invalid;

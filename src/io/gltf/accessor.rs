@@ -39,6 +39,16 @@ pub(super) enum Purpose {
     Rotations,
     /// Keyframe times of an animation, seconds.
     Times,
+    /// Displacements of positions by a morph target.
+    Displacements,
+    /// Displacements of normals by a morph target.
+    Tilts,
+    /// Numbers of joints in a skin.
+    Joints,
+    /// Weights of these joints.
+    Weights,
+    /// Inverse bind matrices of a skin.
+    Matrices,
 }
 
 /// A checked accessor.
@@ -123,13 +133,7 @@ impl Check<'_, '_> {
                 None
             }
             // Zeros, for as many vertices as there are positions in the file.
-            None if matches!(
-                purpose,
-                Purpose::TexCoords | Purpose::Normals | Purpose::Colours { .. }
-            ) =>
-            {
-                None
-            }
+            None if purpose.may_be_zero() => None,
             None => return Err(self.invalid("it has no data: no bufferView", EXPORT_AGAIN)),
         };
         let sparse = match &self.accessor.sparse {
@@ -185,6 +189,15 @@ impl Check<'_, '_> {
             }
             (Purpose::Vectors, F32) => (*kind == Type::Vec3 && !normalized, ""),
             (Purpose::Times, F32) => (*kind == Type::Scalar && !normalized, ""),
+            (Purpose::Displacements, F32) => (*kind == Type::Vec3 && !normalized, ""),
+            (Purpose::Displacements, I8 | I16) => (*kind == Type::Vec3 && quantized, Q),
+            (Purpose::Tilts, F32) => (*kind == Type::Vec3 && !normalized, ""),
+            (Purpose::Tilts, I8 | I16) if normalized => (*kind == Type::Vec3 && quantized, Q),
+            (Purpose::Joints, U8 | U16) => (*kind == Type::Vec4 && !normalized, ""),
+            (Purpose::Weights, F32 | U8 | U16) => {
+                (*kind == Type::Vec4 && normalized == (component != F32), "")
+            }
+            (Purpose::Matrices, F32) => (*kind == Type::Mat4 && !normalized, ""),
             (Purpose::Rotations, F32) => (*kind == Type::Vec4 && !normalized, ""),
             (Purpose::Rotations, I8 | I16) => (*kind == Type::Vec4 && normalized, ""),
             _ => (false, ""),
@@ -291,11 +304,25 @@ impl Purpose {
     fn components(self) -> u64 {
         match self {
             Purpose::Positions | Purpose::Normals | Purpose::Vectors => 3,
-            Purpose::Rotations => 4,
+            Purpose::Displacements | Purpose::Tilts => 3,
+            Purpose::Rotations | Purpose::Joints | Purpose::Weights => 4,
+            Purpose::Matrices => 16,
             Purpose::TexCoords => 2,
             Purpose::Colours { alpha } => 3 + u64::from(alpha),
             Purpose::Indices | Purpose::Times => 1,
         }
+    }
+
+    /// Whether its elements may be zeros without data.
+    fn may_be_zero(self) -> bool {
+        matches!(
+            self,
+            Purpose::TexCoords
+                | Purpose::Normals
+                | Purpose::Colours { .. }
+                | Purpose::Displacements
+                | Purpose::Tilts
+        )
     }
 
     fn plural(self) -> &'static str {
@@ -308,6 +335,11 @@ impl Purpose {
             Purpose::Vectors => "translations or scales",
             Purpose::Rotations => "rotations",
             Purpose::Times => "times",
+            Purpose::Displacements => "displacements of positions",
+            Purpose::Tilts => "displacements of normals",
+            Purpose::Joints => "joints",
+            Purpose::Weights => "weights of joints",
+            Purpose::Matrices => "inverse bind matrices",
         }
     }
 
@@ -319,7 +351,10 @@ impl Purpose {
             Purpose::Colours { .. } => {
                 "they are VEC3 or VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"
             }
-            Purpose::Vectors => "they are VEC3 of FLOAT",
+            Purpose::Vectors | Purpose::Displacements | Purpose::Tilts => "they are VEC3 of FLOAT",
+            Purpose::Joints => "they are VEC4 of UNSIGNED_BYTE or _SHORT",
+            Purpose::Weights => "they are VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT",
+            Purpose::Matrices => "they are MAT4 of FLOAT",
             Purpose::Rotations => "they are VEC4 of FLOAT or normalized BYTE or SHORT",
             Purpose::Times => "times are SCALAR of FLOAT",
             Purpose::Indices => "indices are SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or _INT",

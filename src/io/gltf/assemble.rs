@@ -1,6 +1,7 @@
 //! From checked headers to the mesh: reads the data, builds triangles, collects materials and images.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use glam::{DAffine3, DVec3};
 
@@ -14,7 +15,7 @@ use super::materials::{FIRST_TRANSFORMED, Resolved};
 use super::nodes::Placed;
 use super::pieces::Placement;
 use super::primitive::Piece;
-use super::vertices::Vertices;
+use super::vertices::{Block, Vertices};
 use super::warnings::Warnings;
 use crate::Result;
 use crate::mesh::{Material, Mesh, Part};
@@ -33,7 +34,15 @@ pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> R
     for at in &draft.pieces.placements {
         for at in builder.instances(at)? {
             for piece in draft.pieces.of_mesh(at.mesh) {
-                builder.add(&at, piece, &draft.materials)?;
+    let mut skins = BTreeMap::new();
+    for (&index, skin) in &draft.pieces.skins {
+        skins.insert(
+            index,
+            skin.read(&mut builder.buffers, &mut builder.warnings)?,
+        );
+    }
+                builder.add(&at, piece, &draft.materials, skin)?;
+        let skin = at.skin.and_then(|skin| skins.get(&skin)).map(Vec::as_slice);
             }
         }
     }
@@ -62,14 +71,21 @@ impl Builder<'_, '_> {
                 world: at.placed.world * *transform,
                 ..at.placed
             },
-            mesh: at.mesh,
             instances: None,
             instance,
         };
         Ok((0..).zip(&transforms).map(placed).collect())
     }
+            weights: Rc::clone(&at.weights),
+            ..*at
 
-    fn add(&mut self, at: &Placement, piece: &Piece, materials: &Materials) -> Result<()> {
+    fn add(
+        &mut self,
+        at: &Placement,
+        piece: &Piece,
+        materials: &Materials,
+        skin: Option<&[DAffine3]>,
+    ) -> Result<()> {
         let place = &piece.positions.place;
         let Some(resolved) = materials.get(&piece.material) else {
             let what = "its material does not exist";
@@ -78,9 +94,9 @@ impl Builder<'_, '_> {
         let transformed_set = self.vertices.transformed_set;
         let (buffers, palette) = (&mut self.buffers, &mut self.palette);
         let material = palette.number(buffers, piece.material, resolved, transformed_set)?;
-        let base = (self.vertices).of(buffers, at, piece, resolved, &mut self.warnings)?;
+        let block = (self.vertices).of(buffers, at, piece, resolved, skin, &mut self.warnings)?;
         let first_triangle = self.triangles.len() as u32;
-        self.add_triangles(at, piece, base)?;
+        self.add_triangles(piece, block)?;
         self.parts.push(Part {
             first_triangle,
             triangles: piece.triangles as u32,
@@ -91,13 +107,17 @@ impl Builder<'_, '_> {
     }
 
     /// Adds the triangles; if the transform mirrors, their winding is restored.
-    fn add_triangles(&mut self, at: &Placement, piece: &Piece, base: u32) -> Result<()> {
+    fn add_triangles(&mut self, piece: &Piece, block: Block) -> Result<()> {
         let corners = corners(&mut self.buffers, piece)?;
-        let mirrored = at.placed.world.matrix3.determinant() < 0.0;
         let (mut without_area, mut dropped) = (0, 0);
         for triangle in 0..piece.triangles as usize {
-            let [a, b, c] = (piece.topology.corners(triangle)).map(|at| base + corners[at]);
-            let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
+            let corner = |at: usize| block.first + corners[at];
+            let [a, b, c] = (piece.topology.corners(triangle)).map(corner);
+            let triangle = if block.is_mirrored {
+                [a, c, b]
+            } else {
+                [a, b, c]
+            };
             if triangle.iter().any(|&vertex| self.vertices.is_bad(vertex)) {
                 dropped += 1;
                 self.triangles.push([a; 3]);

@@ -48,7 +48,7 @@ impl Draft {
             },
             normals: want.normals,
         };
-        let pieces = Pieces::new(document, &placed, wanted, &mut warnings)?;
+        let pieces = Pieces::new(document, &placed, &hierarchy, wanted, &mut warnings)?;
         warn_of_missing_uvs(&pieces, &materials, &mut warnings);
         Ok(Draft {
             pieces,
@@ -105,8 +105,8 @@ fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warning
         warnings.add(what, "extensionsUsed");
     }
     // Animations: of meshes, of cameras and lights, and of what is no node.
-    let what = "animations of meshes are not played: nodes stay at rest (cameras and lights follow them by \
-                motion.animation)";
+    let what = "animations of meshes are not played: nodes, and joints of skins, stay as they are at rest (cameras and \
+                lights follow them by motion.animation)";
     let animated = animations_of_meshes(document, placed);
     if let Some(first) = animated.first() {
         warnings.add_many(what, &format!("animation {first}"), animated.len() as u64);
@@ -153,18 +153,23 @@ fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warning
 /// Animations that move or deform a mesh of these nodes: those of the nodes themselves, of their ancestors, or of the joints of a skin.
 fn animations_of_meshes(document: &Document, placed: &[Placed]) -> Vec<usize> {
     let nodes = &document.root.nodes;
-    let has_mesh = |node: usize| nodes.get(node).is_some_and(|node| node.mesh.is_some());
-    let parents = parents(document);
-    // Nodes with a mesh at or below them; a hierarchy with placed nodes has no cycles.
-    let mut carries = vec![false; nodes.len()];
-    let mut is_skinned = false;
-    for mesh in placed
+    let meshes = placed.iter().map(|placed| placed.node);
+    let meshes = meshes.filter(|&node| nodes.get(node).is_some_and(|node| node.mesh.is_some()));
+    let meshes: Vec<usize> = meshes.collect();
+    let skin = |&node: &usize| Some(nodes.get(node)?.skin?.value());
+    let skins: BTreeSet<usize> = meshes.iter().filter_map(skin).collect();
+    let skins = skins
         .iter()
-        .map(|placed| placed.node)
-        .filter(|&node| has_mesh(node))
-    {
-        is_skinned |= nodes[mesh].skin.is_some();
-        let mut next = Some(mesh);
+        .filter_map(|&skin| document.root.skins.get(skin));
+    let joints = skins.flat_map(|skin| &skin.joints);
+    let joints = joints
+        .map(|joint| joint.value())
+        .filter(|&joint| joint < nodes.len());
+    let parents = parents(document);
+    // Nodes with a mesh or a joint at or below them; a hierarchy with placed nodes has no cycles.
+    let mut carries = vec![false; nodes.len()];
+    for node in meshes.iter().copied().chain(joints) {
+        let mut next = Some(node);
         while let Some(node) = next.filter(|&node| !carries[node]) {
             carries[node] = true;
             next = parents[node];
@@ -172,7 +177,7 @@ fn animations_of_meshes(document: &Document, placed: &[Placed]) -> Vec<usize> {
     }
     let moves_mesh = |animation: &Animation| {
         let mut targets = animation.channels.iter().map(|c| c.target.node.value());
-        is_skinned || targets.any(|node| carries.get(node).is_some_and(|carries| *carries))
+        targets.any(|node| carries.get(node).is_some_and(|carries| *carries))
     };
     let animations = document.root.animations.iter().enumerate();
     animations

@@ -10,8 +10,10 @@
 //! Vertices are used unchanged, including denormal numbers, which f64 holds exactly. NaN and infinities are refused, or their triangles
 //! dropped, as the scene specifies.
 //!
-//! Not read, each with a warning if it would be visible: skins, morph targets, alpha blending, normal and occlusion maps, points and lines,
-//! animations, unknown extensions. Unknown extensions that a file *requires* are refused.
+//! Skins and morph targets place vertices at the poses and with the weights that the file itself gives.
+//!
+//! Not read, each with a warning if it would be visible: alpha blending, normal and occlusion maps, points and lines, animations, unknown
+//! extensions. Unknown extensions that a file *requires* are refused.
 
 mod accessor;
 mod animation;
@@ -28,9 +30,11 @@ mod import;
 mod instances;
 mod lights;
 mod materials;
+mod morphs;
 mod nodes;
 mod pieces;
 mod primitive;
+mod skins;
 mod summary;
 mod uri;
 mod vertices;

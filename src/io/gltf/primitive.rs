@@ -1,6 +1,6 @@
 //! One primitive of a mesh (glTF 2.0 §3.7.2.1), with its headers checked.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ::gltf::json::accessor::Type;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -8,6 +8,8 @@ use ::gltf::json::validation::Checked;
 
 use super::accessor::{Layout, Purpose};
 use super::document::Document;
+use super::morphs::Target;
+use super::skins::Influences;
 use super::warnings::Warnings;
 use crate::Result;
 
@@ -23,6 +25,10 @@ pub(super) struct Piece {
     pub uvs: BTreeMap<usize, Layout>,
     pub normals: Option<Layout>,
     pub colours: Option<Colours>,
+    /// By set; none unless a node has a skin for it.
+    pub influences: Vec<Influences>,
+    /// The morph targets that are wanted, by index.
+    pub targets: BTreeMap<usize, Target>,
     pub indices: Option<Layout>,
     /// Index in the document; `None` is the default material.
     pub material: Option<usize>,
@@ -48,6 +54,15 @@ pub(super) struct Wanted<'w> {
     pub normals: bool,
 }
 
+/// What the nodes of a mesh need for its deformation.
+#[derive(Debug, Default)]
+pub(super) struct Deformed {
+    /// Whether a node has a skin for it.
+    pub by_skin: bool,
+    /// The morph targets with a weight other than 0 at any node.
+    pub by_targets: BTreeSet<usize>,
+}
+
 /// How corners form triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Topology {
@@ -61,6 +76,7 @@ pub(super) fn of_mesh(
     document: &Document,
     mesh: usize,
     wanted: Wanted,
+    deformed: &Deformed,
     warnings: &mut Warnings,
 ) -> Result<Vec<Piece>> {
     let primitives = document
@@ -76,7 +92,7 @@ pub(super) fn of_mesh(
             label: document.primitive_label(mesh, number),
         };
         if let Some(topology) = at.topology(warnings)? {
-            pieces.push(at.piece(topology, wanted)?);
+            pieces.push(at.piece(topology, wanted, deformed, warnings)?);
         }
     }
     Ok(pieces)
@@ -115,18 +131,16 @@ impl Place<'_, '_> {
                 &self.label,
             );
         }
-        if self
-            .primitive
-            .targets
-            .as_ref()
-            .is_some_and(|targets| !targets.is_empty())
-        {
-            warnings.add("morph targets are not applied", &self.label);
-        }
         Ok(Some(topology))
     }
 
-    fn piece(&self, topology: Topology, wanted: Wanted) -> Result<Piece> {
+    fn piece(
+        &self,
+        topology: Topology,
+        wanted: Wanted,
+        deformed: &Deformed,
+        warnings: &mut Warnings,
+    ) -> Result<Piece> {
         let material = self.primitive.material.map(|material| material.value());
         let (positions, indices) = (self.positions()?, self.indices()?);
         // Without indices the vertices are the corners, in order.
@@ -143,6 +157,11 @@ impl Place<'_, '_> {
                 true => self.colours(positions.count)?,
                 false => None,
             },
+            influences: match deformed.by_skin {
+                true => self.influences(positions.count, warnings)?,
+                false => Vec::new(),
+            },
+            targets: self.targets(positions.count, wanted.normals, &deformed.by_targets)?,
             positions,
             indices,
             material,
@@ -210,6 +229,71 @@ impl Place<'_, '_> {
         let layout = Layout::new(self.document, index, purpose, &self.label)?;
         self.check_count(&layout, "COLOR_0", vertices)?;
         Ok(Some(Colours { layout, alpha }))
+    }
+
+    /// The joints of its vertices.
+    fn influences(&self, vertices: u64, warnings: &mut Warnings) -> Result<Vec<Influences>> {
+        let attribute = |semantic| self.primitive.attributes.get(&Checked::Valid(semantic));
+        let mut sets = Vec::new();
+        for set in 0..MOST_SETS {
+            let pair = (
+                attribute(Semantic::Joints(set)),
+                attribute(Semantic::Weights(set)),
+            );
+            let (joints, weights) = match pair {
+                (Some(&joints), Some(&weights)) => (joints, weights),
+                (None, None) => break,
+                (joints, _) => {
+                    let [has, lacks] = match joints {
+                        Some(_) => ["JOINTS", "WEIGHTS"],
+                        None => ["WEIGHTS", "JOINTS"],
+                    };
+                    let what = format!("it has {has}_{set} and no {lacks}_{set}");
+                    return Err(self.invalid(&what, "joints and their weights come in pairs"));
+                }
+            };
+            let joints = Layout::new(self.document, joints, Purpose::Joints, &self.label)?;
+            self.check_count(&joints, &format!("JOINTS_{set}"), vertices)?;
+            let weights = Layout::new(self.document, weights, Purpose::Weights, &self.label)?;
+            self.check_count(&weights, &format!("WEIGHTS_{set}"), vertices)?;
+            sets.push(Influences { joints, weights });
+        }
+        if sets.is_empty() {
+            let what = "it has no JOINTS_0 for the skin of its node, and is placed by the node";
+            warnings.add(what, &self.label);
+        }
+        Ok(sets)
+    }
+
+    /// The morph targets in `used`.
+    fn targets(
+        &self,
+        vertices: u64,
+        normals: bool,
+        used: &BTreeSet<usize>,
+    ) -> Result<BTreeMap<usize, Target>> {
+        let all = self.primitive.targets.as_ref();
+        let mut targets = BTreeMap::new();
+        for &which in used {
+            let Some(target) = all.and_then(|all| all.get(which)) else {
+                continue;
+            };
+            let place = format!("{}, target {which}", self.label);
+            let layout = |index, purpose, name: &str| -> Result<Option<Layout>> {
+                let Some(index) = index else {
+                    return Ok(None);
+                };
+                let layout = Layout::new(self.document, index, purpose, &place)?;
+                self.check_count(&layout, name, vertices)?;
+                Ok(Some(layout))
+            };
+            let target = Target {
+                positions: layout(target.positions, Purpose::Displacements, "POSITION")?,
+                normals: layout(target.normals.filter(|_| normals), Purpose::Tilts, "NORMAL")?,
+            };
+            targets.insert(which, target);
+        }
+        Ok(targets)
     }
 
     fn check_count(&self, layout: &Layout, name: &str, vertices: u64) -> Result<()> {

@@ -62,6 +62,8 @@ pub struct GltfSummary {
     pub bounds: Option<[DVec3; 2]>,
     /// What would be ignored, with its place, one sentence each.
     pub warnings: Vec<String>,
+    /// Bytes that skins and morph targets take while the vertices of one primitive are placed, for the primitive that needs most.
+    pub placing: u64,
 }
 
 /// The contents of a file as its nodes place them, from the counts of accessors only: instances count each time.
@@ -121,6 +123,10 @@ fn name(document: &Document, node: usize) -> String {
 }
 
 /// Other files to which a document refers.
+        placing: (pieces.all())
+            .map(|(_, piece)| piece.positions.count.saturating_mul(piece.scratch()))
+            .max()
+            .unwrap_or(0),
 pub(super) fn files(document: &Document) -> Vec<PathBuf> {
     let Some(directory) = &document.directory else {
         return Vec::new();
@@ -176,8 +182,8 @@ fn used_materials(draft: &Draft) -> Vec<&Material> {
 fn bounds(document: &Document, pieces: &Pieces) -> Option<[DVec3; 2]> {
     let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     for (at, piece) in pieces.all() {
-        // The positions of instances are in a buffer, and no buffer is read here.
-        if at.instances.is_some() {
+        // The positions of instances, weights of joints and displacements are in a buffer, and no buffer is read here.
+        if at.instances.is_some() || at.skin.is_some() || !at.weights.is_empty() {
             return None;
         }
         let accessor = document.root.accessors.get(piece.positions.accessor)?;

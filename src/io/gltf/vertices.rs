@@ -8,8 +8,10 @@ use super::accessor::{self, Layout};
 use super::buffers::Buffers;
 use super::import::BadVertices;
 use super::materials::{Resolved, UvTransform};
+use super::morphs::displace;
 use super::pieces::Placement;
 use super::primitive::{Colours, Piece};
+use super::skins::Binding;
 use super::warnings::Warnings;
 use crate::Result;
 use crate::mesh::normal_matrix;
@@ -29,8 +31,8 @@ pub(super) struct Vertices {
     pub normals: Vec<[f32; 3]>,
     /// Shorter than `positions` if the last vertices lack colours.
     pub colours: Vec<[f32; 4]>,
-    /// The index of the first vertex of each shared block.
-    blocks: BTreeMap<BlockKey, u32>,
+    /// The shared blocks.
+    blocks: BTreeMap<BlockKey, Block>,
     /// The first list for coordinates of transformed textures: the one after the file's sets.
     pub transformed_set: usize,
     bad: BadVertices,
@@ -48,6 +50,46 @@ struct BlockKey {
     colours: Option<usize>,
     /// The material, if it transforms coordinates.
     material: Option<usize>,
+    /// Accessors of joints and their weights, if they place the vertices.
+    influences: Vec<[usize; 2]>,
+    /// Accessors of the displacements of positions and of normals.
+    targets: Vec<[Option<usize>; 2]>,
+}
+
+/// The vertices of a primitive.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
+    /// The index of the first one.
+    pub first: u32,
+    /// Whether their transform mirrors: that of most of them, if they follow joints.
+    pub is_mirrored: bool,
+}
+
+/// What places the vertices of a primitive.
+enum Placing<'s> {
+    Node(DAffine3),
+    Skin(Binding, &'s [DAffine3]),
+}
+
+impl Placing<'_> {
+    /// The transform of a vertex.
+    fn of(&self, vertex: usize) -> DAffine3 {
+        match self {
+            Placing::Node(world) => *world,
+            Placing::Skin(binding, matrices) => binding.matrix(matrices, vertex),
+        }
+    }
+
+    fn is_mirrored(&self, vertices: usize) -> bool {
+        let mirrors = |world: DAffine3| world.matrix3.determinant() < 0.0;
+        match self {
+            Placing::Node(world) => mirrors(*world),
+            Placing::Skin(..) => {
+                let all = (0..vertices).filter(|&vertex| mirrors(self.of(vertex)));
+                2 * all.count() > vertices
+            }
+        }
+    }
 }
 
 impl Vertices {
@@ -64,17 +106,21 @@ impl Vertices {
         }
     }
 
-    /// The index of the first vertex of a primitive; reads the vertices unless an earlier primitive did.
+    /// The vertices of a primitive; reads them unless an earlier primitive did. `skin` has the matrices of its node's joints.
     pub fn of(
         &mut self,
         buffers: &mut Buffers,
         at: &Placement,
         piece: &Piece,
         material: &Resolved,
+        skin: Option<&[DAffine3]>,
         warnings: &mut Warnings,
-    ) -> Result<u32> {
+    ) -> Result<Block> {
         let sets = piece.uvs.iter();
         let transforms = !material.transforms.is_empty();
+        let skin = skin.filter(|_| !piece.influences.is_empty());
+        let influences = piece.influences.iter().filter(|_| skin.is_some());
+        let accessors = |layout: &Option<Layout>| layout.as_ref().map(|layout| layout.accessor);
         let key = BlockKey {
             node: at.placed.node,
             instance: at.instance,
@@ -83,13 +129,29 @@ impl Vertices {
             normals: piece.normals.as_ref().map(|normals| normals.accessor),
             colours: piece.colours.as_ref().map(|c| c.layout.accessor),
             material: piece.material.filter(|_| transforms),
+            influences: influences
+                .map(|set| [set.joints.accessor, set.weights.accessor])
+                .collect(),
+            targets: (piece.targets.values())
+                .map(|target| [accessors(&target.positions), accessors(&target.normals)])
+                .collect(),
         };
-        if let Some(&base) = self.blocks.get(&key) {
-            return Ok(base);
+        if let Some(&block) = self.blocks.get(&key) {
+            return Ok(block);
         }
+        let placing = match skin {
+            None => Placing::Node(at.placed.world),
+            Some(matrices) => {
+                let (sets, joints) = (&piece.influences, matrices.len());
+                Placing::Skin(
+                    Binding::read(buffers, sets, joints, self.bad, warnings)?,
+                    matrices,
+                )
+            }
+        };
         // Positions first: a vertex with bad coordinates, normals or colours is marked by its position.
         let base = self.positions.len();
-        self.read_positions(buffers, &piece.positions, at.placed.world)?;
+        self.read_positions(buffers, at, piece, &placing)?;
         for (&set, uvs) in &piece.uvs {
             self.read_uvs(buffers, set, uvs, base, None)?;
         }
@@ -99,37 +161,50 @@ impl Vertices {
                 self.read_uvs(buffers, list, uvs, base, Some(transform))?;
             }
         }
-        if let Some(normals) = &piece.normals {
-            self.read_normals(buffers, normals, base, at.placed.world, warnings)?;
-        }
+        self.read_normals(buffers, at, piece, base, &placing, warnings)?;
         if let Some(colours) = &piece.colours {
             self.read_colours(buffers, colours, base)?;
         }
-        self.blocks.insert(key, base as u32);
-        Ok(base as u32)
+        let block = Block {
+            first: base as u32,
+            is_mirrored: placing.is_mirrored(piece.positions.count as usize),
+        };
+        self.blocks.insert(key, block);
+        Ok(block)
     }
 
     /// Reads positions and transforms them to the file's world; one that is not finite becomes NaN, which drops its triangles.
     fn read_positions(
         &mut self,
         buffers: &mut Buffers,
-        layout: &Layout,
-        world: DAffine3,
+        at: &Placement,
+        piece: &Piece,
+        placing: &Placing,
     ) -> Result<()> {
+        let layout = &piece.positions;
         let base = self.positions.len();
-        let mut bad = None;
         self.positions
             .resize(base + layout.count as usize, DVec3::ZERO);
+        let positions = &mut self.positions[base..];
         accessor::read::<3>(buffers, layout, &mut |at, position| {
-            let placed = world.transform_point3(DVec3::from_array(position));
+            positions[at as usize] = DVec3::from_array(position);
+        })?;
+        let targets = at.weights.iter().filter_map(|(target, weight)| {
+            let target = piece.targets.get(target)?;
+            Some((target.positions.as_ref()?, *weight))
+        });
+        displace(buffers, targets, positions)?;
+        let mut bad = None;
+        for (vertex, position) in positions.iter_mut().enumerate() {
+            let placed = placing.of(vertex).transform_point3(*position);
             if !placed.is_finite() {
-                bad.get_or_insert((at, position));
+                bad.get_or_insert((vertex, position.to_array()));
             }
-            self.positions[base + at as usize] = match placed.is_finite() {
+            *position = match placed.is_finite() {
                 true => placed,
                 false => DVec3::NAN,
             };
-        })?;
+        }
         match bad.filter(|_| self.bad == BadVertices::Refuse) {
             None => Ok(()),
             Some((at, [x, y, z])) => Err(buffers.document.invalid(
@@ -182,25 +257,46 @@ impl Vertices {
     fn read_normals(
         &mut self,
         buffers: &mut Buffers,
-        layout: &Layout,
+        at: &Placement,
+        piece: &Piece,
         base: usize,
-        world: DAffine3,
+        placing: &Placing,
         warnings: &mut Warnings,
     ) -> Result<()> {
-        let to_world = normal_matrix(world.matrix3);
+        let Some(layout) = &piece.normals else {
+            return Ok(());
+        };
         let (normals, positions) = (&mut self.normals, &mut self.positions[base..]);
         let mut bad = None;
         // Earlier primitives without normals are flat.
         normals.resize(base + layout.count as usize, FLAT);
-        accessor::read::<3>(buffers, layout, &mut |at, stored| {
-            let normal = DVec3::from_array(stored);
+        let mut place = |at: usize, normal: DVec3| {
             if !normal.is_finite() {
-                bad.get_or_insert((at, stored));
-                positions[at as usize] = DVec3::NAN;
+                bad.get_or_insert((at, normal.to_array()));
+                positions[at] = DVec3::NAN;
             }
+            let to_world = normal_matrix(placing.of(at).matrix3);
             let placed = (to_world * normal).normalize_or_zero();
-            normals[base + at as usize] = placed.as_vec3().to_array();
-        })?;
+            normals[base + at] = placed.as_vec3().to_array();
+        };
+        let targets = at.weights.iter().filter_map(|(target, weight)| {
+            let target = piece.targets.get(target)?;
+            Some((target.normals.as_ref()?, *weight))
+        });
+        if targets.clone().next().is_none() {
+            accessor::read::<3>(buffers, layout, &mut |at, normal| {
+                place(at as usize, DVec3::from_array(normal));
+            })?;
+        } else {
+            let mut displaced = vec![DVec3::ZERO; layout.count as usize];
+            accessor::read::<3>(buffers, layout, &mut |at, normal| {
+                displaced[at as usize] = DVec3::from_array(normal);
+            })?;
+            displace(buffers, targets, &mut displaced)?;
+            for (at, normal) in displaced.into_iter().enumerate() {
+                place(at, normal);
+            }
+        }
         let all = normals[base..].iter().zip(&*positions);
         let flat = all.filter(|(normal, position)| **normal == FLAT && !position.is_nan());
         let what = "normals of length 0: triangles that have one are shaded as flat";

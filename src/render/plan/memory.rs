@@ -121,12 +121,15 @@ pub(super) fn memory(
     files.sort();
     files.dedup();
     let [sky, reading] = sky(scene);
+    let placing = objects.iter().map(|o| o.placing).max().unwrap_or(0);
     Memory {
         geometry: bvhs + normals + uvs + vertex_normals,
         cubes: files.iter().map(|f| f.2).sum::<u64>() + captures.sum::<u64>(),
         sky,
         film: layout.bytes(),
-        temporary: temporary(frames, layout).max(splitting).max(reading),
+        temporary: (temporary(frames, layout).max(splitting))
+            .max(reading)
+            .max(placing),
         beside: request.beside,
         program: request.program,
     }

@@ -207,6 +207,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 factors: summary.factors,
                 has_gloss_textures: summary.has_gloss_textures,
                 images: summary.images,
+                placing: summary.placing,
                 has_colours: summary.has_colours,
                 has_normals: summary.has_normals,
                 unlit: summary.unlit,
@@ -245,6 +246,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 }],
                 has_gloss_textures: false,
                 images: 0,
+                placing: 0,
                 has_colours: false,
                 has_normals: false,
                 unlit: Vec::new(),
@@ -268,6 +270,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
             factors: mesh.materials.iter().map(|m| m.factors()).collect(),
             has_gloss_textures: false,
             images: 0,
+            placing: 0,
             has_colours: !mesh.colours.is_empty(),
             has_normals: !mesh.normals.is_empty(),
             unlit: (mesh.materials.iter().filter(|m| m.unlit))

@@ -135,6 +135,9 @@ pub struct PlannedObject {
     pub has_gloss_textures: bool,
     #[serde(skip)]
     pub(super) images: usize,
+    /// Bytes for placing the vertices of its largest primitive by a skin or morph targets.
+    #[serde(skip)]
+    pub(super) placing: u64,
     /// Whether vertices have colours.
     #[serde(skip)]
     pub(super) has_colours: bool,

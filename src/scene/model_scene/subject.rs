@@ -90,6 +90,7 @@ impl Subject {
         budget: &Budget,
     ) -> Result<Subject> {
         let taken = Subject::VERTEX.saturating_mul(held.vertices);
+        let taken = taken.saturating_add(held.placing);
         budget.take(
             taken.saturating_add(Subject::TRIANGLE.saturating_mul(held.triangles)),
             path,

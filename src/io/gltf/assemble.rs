@@ -7,12 +7,12 @@ use glam::{DAffine3, DVec3};
 
 use super::accessor;
 use super::buffers::Buffers;
-use super::document::{Document, shortened};
+use super::document::Document;
 use super::draft::{Draft, Materials};
 use super::images;
 use super::import::{EncodedImage, Imported, Want};
 use super::materials::{FIRST_TRANSFORMED, Resolved};
-use super::nodes::Placed;
+use super::nodes::{Placed, name_of};
 use super::pieces::Placement;
 use super::primitive::Piece;
 use super::vertices::{Block, Vertices};
@@ -101,7 +101,7 @@ impl Builder<'_, '_> {
             first_triangle,
             triangles: piece.triangles as u32,
             material,
-            node: self.node_name(at.placed.node),
+            node: name_of(self.buffers.document, at.placed.node),
         });
         Ok(())
     }
@@ -134,12 +134,6 @@ impl Builder<'_, '_> {
         self.warnings
             .add_many(what, &piece.positions.place, without_area);
         Ok(())
-    }
-
-    fn node_name(&self, node: usize) -> String {
-        let described = self.buffers.document.root.nodes.get(node);
-        let name = described.and_then(|node| node.name.as_deref());
-        name.map_or_else(|| format!("node {node}"), shortened)
     }
 
     fn finish(mut self) -> Imported {

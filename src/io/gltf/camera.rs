@@ -6,7 +6,7 @@ use ::gltf::json::validation::Checked;
 use glam::{DAffine3, DVec3};
 
 use super::document::{Document, listed, shortened};
-use super::nodes::{Hierarchy, named};
+use super::nodes::{Hierarchy, is_named, name_of, named};
 use super::warnings::Warnings;
 use crate::Result;
 
@@ -26,21 +26,20 @@ pub struct GltfCamera {
     pub aspect: Option<f64>,
 }
 
-/// Names of the cameras: those of their nodes, or else of the cameras themselves.
+/// Names of the cameras: those of their nodes, or else of the cameras themselves, or else the numbers of the nodes.
 pub(super) fn names(document: &Document) -> Vec<String> {
-    let nodes = document.root.nodes.iter();
+    let nodes = document.root.nodes.iter().enumerate();
     nodes
-        .filter_map(|node| camera_name(document, node))
+        .filter_map(|(index, node)| camera_name(document, index, node))
         .collect()
 }
 
-fn camera_name(document: &Document, node: &Node) -> Option<String> {
-    let camera = node.camera?;
-    let own = document
-        .root
-        .get(camera)
-        .and_then(|camera| camera.name.clone());
-    Some(shortened(&node.name.clone().or(own).unwrap_or_default()))
+fn camera_name(document: &Document, index: usize, node: &Node) -> Option<String> {
+    let camera = document.root.get(node.camera?);
+    let own = camera.and_then(|camera| camera.name.as_deref());
+    let names = [node.name.as_deref(), own].into_iter().flatten();
+    let name = names.map(shortened).find(|name| !name.is_empty());
+    Some(name.unwrap_or_else(|| name_of(document, index)))
 }
 
 /// The camera with this name, or the only one.
@@ -67,7 +66,7 @@ fn candidates(
     let called: Vec<usize> = all
         .filter(|&node| is_called(document, node, name))
         .collect();
-    if called.is_empty() && nodes.iter().any(|node| node.name.as_deref() == Some(name)) {
+    if called.is_empty() && (0..nodes.len()).any(|node| is_named(document, node, name)) {
         // Some exporters put the camera below the node that has its name.
         let below = hierarchy.with_all_below(vec![named(document, name)?], &mut |_| true);
         let below = below.iter().map(|placed| placed.node);
@@ -77,11 +76,9 @@ fn candidates(
 }
 
 fn is_called(document: &Document, node: usize, name: &str) -> bool {
-    let Some(node) = document.root.nodes.get(node) else {
-        return false;
-    };
-    let camera = node.camera.and_then(|camera| document.root.get(camera));
-    node.name.as_deref() == Some(name) || camera.and_then(|c| c.name.as_deref()) == Some(name)
+    let described = document.root.nodes.get(node);
+    let camera = described.and_then(|node| document.root.get(node.camera?));
+    is_named(document, node, name) || camera.and_then(|c| c.name.as_deref()) == Some(name)
 }
 
 fn not_one(document: &Document, name: Option<&str>, count: usize) -> crate::Error {

@@ -5,7 +5,6 @@
 //! decimals.
 
 use ::gltf::json::Value;
-use ::gltf::json::scene::Node;
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
 
 use super::document::{Document, label, listed, shortened};
@@ -216,11 +215,27 @@ pub(super) fn parents(document: &Document) -> Vec<Option<usize>> {
     parents
 }
 
+/// The name of a node; for one without, its number: "node 3".
+pub(super) fn name_of(document: &Document, node: usize) -> String {
+    let described = document.root.nodes.get(node);
+    let name = described.and_then(|node| node.name.as_deref());
+    let name = name.filter(|name| !name.is_empty());
+    name.map_or_else(|| format!("node {node}"), shortened)
+}
+
+/// Whether a node has this name, or none and this number.
+pub(super) fn is_named(document: &Document, node: usize, name: &str) -> bool {
+    let described = document.root.nodes.get(node);
+    match described.and_then(|node| node.name.as_deref()) {
+        None | Some("") => name.strip_prefix("node ") == Some(&node.to_string()),
+        Some(own) => own == name,
+    }
+}
+
 /// The only node with this name.
 pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
     let nodes = &document.root.nodes;
-    let is_named = |node: &Node| node.name.as_deref() == Some(name);
-    let mut found = (0..nodes.len()).filter(|&node| nodes.get(node).is_some_and(is_named));
+    let mut found = (0..nodes.len()).filter(|&node| is_named(document, node, name));
     let place = format!("node {:?}", shortened(name));
     match (found.next(), found.next()) {
         (Some(node), None) => Ok(node),
@@ -237,12 +252,18 @@ pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
     }
 }
 
+/// The quaternion of a node without a rotation.
+pub(super) const NO_ROTATION: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
 /// The local transform of the node.
 pub(super) fn local(
     document: &Document,
     index: usize,
     warnings: &mut Warnings,
 ) -> Result<DAffine3> {
+    let Some(node) = document.transforms.get(index) else {
+        return Ok(DAffine3::IDENTITY);
+    };
     let invalid = |what: &str, help: &str| {
         let place = document.node_label(index);
         Err(document.invalid(place, what, help))
@@ -251,9 +272,6 @@ pub(super) fn local(
     if let Some(matrix) = &node.matrix {
         let matrix = DMat4::from_cols_array(matrix);
         return match (matrix.row(3) == DVec4::W, has_parts) {
-/// The quaternion of a node without a rotation.
-pub(super) const NO_ROTATION: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
-
             (true, false) => Ok(DAffine3::from_mat4(matrix)),
             (false, _) => invalid(
                 "its matrix is not affine",
@@ -261,9 +279,6 @@ pub(super) const NO_ROTATION: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
             ),
             (true, true) => invalid(
                 "it has both a matrix and translation, rotation or scale",
-    let Some(node) = document.transforms.get(index) else {
-        return Ok(DAffine3::IDENTITY);
-    };
                 "give one of the two",
             ),
         };

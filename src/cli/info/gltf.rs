@@ -26,7 +26,8 @@ pub fn info(path: &Path) -> Result<Info> {
     info.data("primitives", held.primitives);
     if let Some([least, greatest]) = held.bounds {
         let (from, to, size) = (point(least), point(greatest), point(greatest - least));
-        info.row("bounds", format!("{from} to {to} (size {size}), metres"));
+        let text = format!("{from} to {to} (size {size}), metres, as the file declares them");
+        info.row("bounds", text);
     }
     info.data(
         "bounds",
@@ -36,7 +37,13 @@ pub fn info(path: &Path) -> Result<Info> {
     info.names("cameras", held.cameras);
     info.names("lights", held.lights);
     info.names("animations", held.animations);
-    info.names("materials", held.materials);
+    let mut named = held.materials;
+    if let Some(index) = held.default_material
+        && let Some(name) = named.get_mut(index)
+    {
+        *name = "(the default of glTF, a white metal)".to_owned();
+    }
+    info.names("materials", named);
     if held.has_masks {
         info.row("holes", "by alpha masks");
     }

@@ -33,6 +33,8 @@ pub struct GltfSummary {
     pub vertices: u64,
     /// Names of the materials in use; "" for one without a name, and for the default material.
     pub materials: Vec<String>,
+    /// Which of them is the default material, of primitives without one.
+    pub default_material: Option<usize>,
     /// Material factors of each of them.
     pub factors: Vec<Factors>,
     /// The number of different images that they use.
@@ -81,7 +83,9 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSum
         None => draft.nodes.clone(),
         Some(_) => Draft::new(document, None, want).map_or_else(|_| Vec::new(), |all| all.nodes),
     };
-    let (pieces, materials) = (&draft.pieces, used_materials(&draft));
+    let (pieces, used) = (&draft.pieces, used_materials(&draft));
+    let default_material = used.iter().position(|(index, _)| index.is_none());
+    let materials: Vec<&Material> = used.into_iter().map(|(_, material)| material).collect();
     let all = || pieces.all().map(|(at, piece)| (at.count(), piece));
     let meshes: BTreeSet<usize> = pieces.placements.iter().map(|at| at.mesh).collect();
     let textures = materials.iter().flat_map(|m| m.textures());
@@ -110,6 +114,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSum
         cameras: camera::names(document),
         animations: (document.root.animations.iter())
             .map(|animation| animation.name.clone().unwrap_or_default())
+        default_material,
             .collect(),
         files: files(document),
         bounds: bounds(document, pieces),
@@ -169,12 +174,11 @@ pub(super) fn refuse_outside(document: &Document, help: impl Into<Message>) -> R
 }
 
 /// The materials of the pieces, without repetitions, in order of first use.
-fn used_materials(draft: &Draft) -> Vec<&Material> {
+fn used_materials(draft: &Draft) -> Vec<(Option<usize>, &Material)> {
     let mut seen = BTreeSet::new();
     (draft.pieces.all().map(|(_, piece)| piece.material))
         .filter(|&material| seen.insert(material))
-        .filter_map(|material| draft.materials.get(&material))
-        .map(|resolved| &resolved.material)
+        .filter_map(|index| Some((index, &draft.materials.get(&index)?.material)))
         .collect()
 }
 

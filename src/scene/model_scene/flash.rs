@@ -75,8 +75,15 @@ pub(super) fn flashing(
     let held = model.held;
     let is_bare = |f: &Factors| f.metallic >= 1.0 || f.transmission >= 1.0;
     if held.factors.iter().all(is_bare) && !held.has_gloss_textures {
-        let what = "all its surfaces are metal or glass, whose light depends on the direction, and a flash is baked without it";
-        let help = "materials with a metallicFactor below 1, or a scene with `render.bounces`";
+        let what = match (&held.factors[..], held.default_material) {
+            ([_], Some(_)) => {
+                "it has no materials, and the default of glTF is metal, whose light depends on the direction: a flash is baked without it"
+            }
+            _ => {
+                "all its surfaces are metal or glass, whose light depends on the direction: a flash is baked without it"
+            }
+        };
+        let help = "materials with a metallicFactor below 1 (without one it is 1), or a scene with `render.bounces`";
         return Err(Error::unsupported(model.path, "materials", what, help));
     }
     let Ball { centre, radius } = subject.ball;

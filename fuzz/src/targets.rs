@@ -25,7 +25,7 @@ use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::render::tonemap::tonemap;
-use nullray::scene::model::{BadVertices, Scene};
+use nullray::scene::model::{BadTextures, BadVertices, Scene};
 use nullray::scene::{self, Overrides, SceneFile};
 use nullray::validate::compare::{Encoding, Picture, Tolerance};
 
@@ -255,13 +255,17 @@ fn frame_tiff(bytes: &[u8]) {
 }
 
 fn gltf(bytes: &[u8]) {
-    for bad_vertices in [BadVertices::Refuse, BadVertices::Drop] {
+    for (bad_vertices, bad_textures) in [
+        (BadVertices::Refuse, BadTextures::Refuse),
+        (BadVertices::Drop, BadTextures::Drop),
+    ] {
         let want = Want {
             uvs: true,
             textures: true,
             shading: true,
             normals: true,
             bad_vertices,
+            bad_textures,
         };
         let Ok(imported) = gltf::load_bytes(bytes, "fuzzed.glb", None, want) else {
             continue;

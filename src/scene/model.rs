@@ -18,7 +18,7 @@ use crate::io::cube::{Axes, Channels, Cube, CubeChannel, Negative, Recorded, Tra
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
-pub use crate::io::gltf::BadVertices;
+pub use crate::io::gltf::{BadTextures, BadVertices};
 pub use crate::mesh::Shape;
 
 pub use camera::{
@@ -159,6 +159,8 @@ pub struct Object {
     pub transform: DAffine3,
     /// What to do about vertices that no ray can hit.
     pub bad_vertices: BadVertices,
+    /// What to do about textures that cannot be shown.
+    pub bad_textures: BadTextures,
     /// Velocity in the world.
     pub velocity: Velocity,
     /// The world event of the object's origin when its clock shows 0.

@@ -12,9 +12,10 @@ mod colmap;
 mod cubes;
 mod gltf;
 mod gltf_animations;
+mod gltf_materials;
 mod gltf_normals;
-#[cfg(feature = "hdf5")]
 mod gltf_poses;
+#[cfg(feature = "hdf5")]
 mod hdf5;
 mod image_files;
 mod invalid;
@@ -27,7 +28,7 @@ mod tiff;
 mod zarr;
 
 use nullray::io::gltf::Want;
-use nullray::scene::model::BadVertices;
+use nullray::scene::model::{BadTextures, BadVertices};
 
 /// All that glTF files hold.
 const ALL: Want = Want {
@@ -36,6 +37,7 @@ const ALL: Want = Want {
     shading: true,
     normals: true,
     bad_vertices: BadVertices::Refuse,
+    bad_textures: BadTextures::Refuse,
 };
 
 /// Numbers of a fixed sequence (xorshift), to damage files by.

@@ -13,7 +13,9 @@ use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
 use nullray::render::plan::{Plan, Request};
-use nullray::scene::model::{BadVertices, EmissionProfile, Geometry, LightKind, Scene, SourceKind};
+use nullray::scene::model::{
+    BadTextures, BadVertices, EmissionProfile, Geometry, LightKind, Scene, SourceKind,
+};
 use nullray::scene::{Builder, Value};
 use nullray::spacetime::units::Time;
 use nullray::spacetime::worldline::WorldLine;
@@ -68,6 +70,7 @@ fn a_mesh_of_a_file_renders_the_same_when_it_is_passed_as_arrays() {
         shading: false,
         normals: false,
         bad_vertices: BadVertices::Refuse,
+        bad_textures: BadTextures::Refuse,
     };
     let mesh = gltf::load(&folder.path().join("quad.glb"), None, want)
         .unwrap()

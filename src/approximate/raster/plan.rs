@@ -68,6 +68,7 @@ impl Method {
                     shading: false,
                     normals: false,
                     bad_vertices: object.bad_vertices,
+                    bad_textures: object.bad_textures,
                 };
                 let (mesh, _) = object_mesh(object, want, &mut Vec::new())?;
                 let triangles = 0..mesh.triangles.len() as u32;

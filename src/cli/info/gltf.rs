@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use nullray::Result;
-use nullray::io::gltf;
+use nullray::io::gltf::{self, BadTextures};
 use nullray::render::plan::count;
 use serde_json::json;
 
@@ -12,7 +12,7 @@ use super::Info;
 
 /// Rows to read, and the same as data for `--json`.
 pub fn info(path: &Path) -> Result<Info> {
-    let held = gltf::inspect(path, None)?;
+    let held = gltf::inspect_for(path, None, BadTextures::Drop)?;
     let mut info = Info::new("gltf", "glTF 2.0");
     if let Some(generator) = &held.generator {
         info.row("made by", generator);

@@ -10,15 +10,15 @@ use super::buffers::Buffers;
 use super::document::Document;
 use super::draft::{Draft, Materials};
 use super::images;
-use super::import::{EncodedImage, Imported, Want};
+use super::import::{BadTextures, EncodedImage, Imported, Want};
 use super::materials::{FIRST_TRANSFORMED, Resolved};
 use super::nodes::{Placed, name_of};
 use super::pieces::Placement;
 use super::primitive::Piece;
 use super::vertices::{Block, Vertices};
 use super::warnings::Warnings;
-use crate::Result;
-use crate::mesh::{Material, Mesh, Part};
+use crate::error::{Error, Result};
+use crate::mesh::{AlphaMode, Material, Mesh, Part};
 
 pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> Result<Imported> {
     let draft = Draft::new(document, node, want)?;
@@ -28,12 +28,12 @@ pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> R
         uv_sets: draft.uv_sets(),
         triangles: Vec::new(),
         parts: Vec::new(),
-        palette: Palette::default(),
+        palette: Palette {
+            bad_textures: want.bad_textures,
+            ..Palette::default()
+        },
         warnings: draft.warnings,
     };
-    for at in &draft.pieces.placements {
-        for at in builder.instances(at)? {
-            for piece in draft.pieces.of_mesh(at.mesh) {
     let mut skins = BTreeMap::new();
     for (&index, skin) in &draft.pieces.skins {
         skins.insert(
@@ -41,8 +41,11 @@ pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> R
             skin.read(&mut builder.buffers, &mut builder.warnings)?,
         );
     }
-                builder.add(&at, piece, &draft.materials, skin)?;
+    for at in &draft.pieces.placements {
         let skin = at.skin.and_then(|skin| skins.get(&skin)).map(Vec::as_slice);
+        for at in builder.instances(at)? {
+            for piece in draft.pieces.of_mesh(at.mesh) {
+                builder.add(&at, piece, &draft.materials, skin)?;
             }
         }
     }
@@ -73,11 +76,11 @@ impl Builder<'_, '_> {
             },
             instances: None,
             instance,
+            weights: Rc::clone(&at.weights),
+            ..*at
         };
         Ok((0..).zip(&transforms).map(placed).collect())
     }
-            weights: Rc::clone(&at.weights),
-            ..*at
 
     fn add(
         &mut self,
@@ -93,7 +96,13 @@ impl Builder<'_, '_> {
         };
         let transformed_set = self.vertices.transformed_set;
         let (buffers, palette) = (&mut self.buffers, &mut self.palette);
-        let material = palette.number(buffers, piece.material, resolved, transformed_set)?;
+        let material = palette.number(
+            buffers,
+            piece.material,
+            resolved,
+            transformed_set,
+            &mut self.warnings,
+        )?;
         let block = (self.vertices).of(buffers, at, piece, resolved, skin, &mut self.warnings)?;
         let first_triangle = self.triangles.len() as u32;
         self.add_triangles(piece, block)?;
@@ -189,6 +198,7 @@ struct Palette {
     /// From materials and images of the document to those of the import.
     material_numbers: BTreeMap<Option<usize>, u32>,
     image_numbers: BTreeMap<usize, usize>,
+    bad_textures: BadTextures,
 }
 
 impl Palette {
@@ -199,6 +209,7 @@ impl Palette {
         index: Option<usize>,
         resolved: &Resolved,
         transformed_set: usize,
+        warnings: &mut Warnings,
     ) -> Result<u32> {
         if let Some(&number) = self.material_numbers.get(&index) {
             return Ok(number);
@@ -209,11 +220,29 @@ impl Palette {
             &mut material.metallic_roughness_texture,
             &mut material.emissive_texture,
         ];
-        for texture in textures.into_iter().flatten() {
-            texture.image = self.image(buffers, texture.image)?;
+        for used in textures {
+            let Some(texture) = used else {
+                continue;
+            };
+            match self.image(buffers, texture.image) {
+                Ok(number) => texture.image = number,
+                Err(Error::Invalid(bad) | Error::Unsupported(bad))
+                    if self.bad_textures == BadTextures::Drop =>
+                {
+                    warnings.add(images::left_out(&bad.what), &bad.place);
+                    *used = None;
+                    continue;
+                }
+                Err(error) => return Err(error),
+            }
             if let Some(which) = texture.uv_set.checked_sub(FIRST_TRANSFORMED) {
                 texture.uv_set = transformed_set + which;
             }
+        }
+        let image = material.base_colour_texture.as_ref().map(|t| t.image);
+        let image = image.and_then(|image| self.images.get(image));
+        if resolved.blends && !image.is_some_and(images::has_alpha) {
+            material.alpha_mode = AlphaMode::Blend;
         }
         let number = self.materials.len() as u32;
         self.materials.push(material);
@@ -225,10 +254,10 @@ impl Palette {
         if let Some(&number) = self.image_numbers.get(&index) {
             return Ok(number);
         }
-        let number = self.images.len();
         let used = self.images.iter().map(|image| image.bytes.len() as u64);
         let left = images::MOST_BYTES.saturating_sub(used.sum());
         self.images.push(images::read(buffers, index, left)?);
+        let number = self.images.len() - 1;
         self.image_numbers.insert(index, number);
         Ok(number)
     }

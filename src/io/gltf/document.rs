@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::container::{self, Storage};
-use super::extensions::{self, UNDERSTOOD};
+use super::extensions::{self, OF_IMAGES, UNDERSTOOD};
 use super::transforms::{self, Numbers};
 use crate::error::{Error, Message, Result};
 use crate::io::open::open_regular;
@@ -92,7 +92,7 @@ impl<'a> Document<'a> {
 
     fn check_extensions(&self) -> Result<()> {
         let mut required = self.root.extensions_required.iter();
-        match required.find(|name| !UNDERSTOOD.contains(&name.as_str())) {
+        match required.find(|name| !is_known(name)) {
             None => Ok(()),
             Some(name) => Err(self.unsupported(
                 "extensionsRequired",
@@ -100,7 +100,7 @@ impl<'a> Document<'a> {
                     "the file needs the extension {:?}, which is not supported",
                     shortened(name)
                 ),
-                "export the model without it (without compression, for most such extensions)",
+                extensions::remedy(name),
             )),
         }
     }
@@ -109,7 +109,7 @@ impl<'a> Document<'a> {
     pub fn unread_extensions(&self) -> impl Iterator<Item = (&str, bool)> {
         let declared = self.root.extensions_used.iter();
         let declared: BTreeSet<&str> = declared.map(String::as_str).collect();
-        let unread = |name: &&str| !UNDERSTOOD.contains(name);
+        let unread = |name: &&str| !is_known(name);
         let others = self.named.iter().map(String::as_str);
         let others = others.filter(|name| !self.uses(name));
         let others: Vec<&str> = others.filter(unread).collect();
@@ -165,6 +165,11 @@ impl<'a> Document<'a> {
     ) -> Error {
         Error::unsupported(&self.file, place, what, help)
     }
+}
+
+/// Whether an extension is read, or else reported by what needs it.
+fn is_known(extension: &str) -> bool {
+    UNDERSTOOD.contains(&extension) || OF_IMAGES.contains(&extension)
 }
 
 /// Parses JSON text, and returns what was left out of the document: animation channels whose target has no node, like those of materials

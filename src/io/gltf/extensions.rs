@@ -8,7 +8,7 @@ use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::Deserializer;
 
 /// The extensions that may be required: what this program reads is complete if these are ignored or applied.
-pub(super) const UNDERSTOOD: [&str; 10] = [
+pub(super) const UNDERSTOOD: [&str; 11] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_node_visibility",
@@ -19,7 +19,29 @@ pub(super) const UNDERSTOOD: [&str; 10] = [
     "KHR_materials_transmission",
     "KHR_materials_ior",
     "KHR_materials_volume",
+    SPECULAR_GLOSSINESS,
 ];
+
+/// The extension for materials with a diffuse and a specular colour.
+pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
+/// Extensions for images that are not read. A file may require them: what needs such an image says so itself.
+pub(super) const OF_IMAGES: [&str; 4] = [
+    "KHR_texture_basisu",
+    "EXT_texture_webp",
+    "EXT_texture_avif",
+    "MSFT_texture_dds",
+];
+
+/// What to do about a file that requires this extension.
+pub(super) fn remedy(name: &str) -> &'static str {
+    match name {
+        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "decompress it, for example by `gltf-transform copy IN.glb OUT.glb`, or export the model without compression"
+        }
+        _ => "export the model without it",
+    }
+}
 
 /// The names in all `extensions` tables of a JSON text, except those in `extras`, which belong to the application.
 pub(super) fn named(text: &[u8]) -> BTreeSet<String> {

@@ -7,7 +7,7 @@ use ::gltf::json::{Index, image};
 use super::buffers::{Buffers, Resource, resource, view_range};
 use super::document::{Document, label};
 use super::import::EncodedImage;
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// The maximum number of bytes of encoded images per import: several images may refer to the same bytes.
 pub(super) const MOST_BYTES: u64 = 1 << 30;
@@ -24,7 +24,7 @@ pub(super) fn read(buffers: &mut Buffers, index: usize, most: u64) -> Result<Enc
             check_size(document, range.length, most, &place)?;
             buffers.bytes(range, &place)?
         }
-        (None, Some(uri)) => match resource(document, uri, &place)? {
+        (None, Some(uri)) => match resource(document, uri, &place).map_err(or_leave_out)? {
             Resource::Data(bytes) => bytes,
             Resource::File(file, length) => {
                 check_size(document, length, most, &place)?;
@@ -48,9 +48,48 @@ pub(super) fn read(buffers: &mut Buffers, index: usize, most: u64) -> Result<Enc
         None => Err(buffers.document.unsupported(
             place,
             "it is neither PNG nor JPEG",
-            "store textures as PNG or JPEG, the formats of glTF",
+            remedy(bytes.starts_with(KTX)),
         )),
     }
+}
+
+/// The start of a KTX2 file.
+const KTX: &[u8] = b"\xabKTX 20";
+
+/// What to do about an image that is not read.
+pub(super) fn remedy(is_ktx: bool) -> String {
+    let convert = match is_ktx {
+        true => "`gltf-transform ktxdecompress IN.glb OUT.glb`",
+        false => "`gltf-transform png IN.glb OUT.glb --formats \"*\"`",
+    };
+    format!("store textures as PNG or JPEG, for example by {convert}{LEAVE_OUT}")
+}
+
+/// The other remedy.
+const LEAVE_OUT: &str = "; bad_textures = \"drop\" leaves them out";
+
+fn or_leave_out(mut error: Error) -> Error {
+    if let Error::Invalid(problem) = &mut error {
+        problem.help += LEAVE_OUT;
+    }
+    error
+}
+
+/// The warning about a texture that is dropped because of `what`.
+pub(super) fn left_out(what: &str) -> String {
+    format!("its texture is left out: {what}")
+}
+
+/// Whether an image has an alpha channel: a PNG of such a kind, or with a transparent colour.
+pub(super) fn has_alpha(image: &EncodedImage) -> bool {
+    let data = image.bytes.windows(4).position(|name| name == b"IDAT");
+    let head = image
+        .bytes
+        .get(..data.unwrap_or_default())
+        .unwrap_or_default();
+    // The type of colours follows the signature, and the length, name, size and depth of the first chunk.
+    let kind = head.get(25);
+    kind.is_some_and(|kind| [4, 6].contains(kind)) || head.windows(4).any(|name| name == b"tRNS")
 }
 
 fn check_size(document: &Document, bytes: u64, most: u64, place: &str) -> Result<()> {

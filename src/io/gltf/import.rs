@@ -21,6 +21,8 @@ pub struct Want {
     /// What to do about positions, texture coordinates and normals that are not finite. Dropped triangles keep their indices: their corners
     /// are collapsed to one point, so that no ray hits them.
     pub bad_vertices: BadVertices,
+    /// What to do about textures that cannot be shown.
+    pub bad_textures: BadTextures,
 }
 
 /// The imported mesh, with its images and warnings.
@@ -51,6 +53,18 @@ pub enum BadVertices {
     #[default]
     Refuse,
     /// Triangles with such a vertex are never visible, and are counted in a warning.
+    Drop,
+}
+
+/// What to do about textures whose image is missing or neither PNG nor JPEG.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum BadTextures {
+    /// The file is refused.
+    #[default]
+    Refuse,
+    /// The material has its factors alone, with a warning.
     Drop,
 }
 

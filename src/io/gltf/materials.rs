@@ -2,18 +2,26 @@
 //! sides, whether the material is unlit (KHR_materials_unlit), and glass: the transmitted fraction of light (KHR_materials_transmission),
 //! its index (KHR_materials_ior), and whether it bounds a body (KHR_materials_volume with a thickness above 0) or is a film.
 //!
+//! Of materials with a diffuse and a specular colour (KHR_materials_pbrSpecularGlossiness) the diffuse one is read.
+//!
 //! Normal and occlusion textures are not read, nor absorption in a body of glass, nor textures of its transmission.
 
 use std::collections::BTreeMap;
 
-use ::gltf::json::material::AlphaMode as JsonAlphaMode;
+use ::gltf::json::material::{
+    AlphaMode as JsonAlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor,
+};
 use ::gltf::json::texture::{Info, MagFilter, WrappingMode};
 use ::gltf::json::validation::Checked;
-use ::gltf::json::{Index, material};
+use ::gltf::json::{Index, deserialize, material};
 use glam::DVec2;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::document::{Document, label};
-use super::import::Want;
+use super::extensions::SPECULAR_GLOSSINESS;
+use super::images;
+use super::import::{BadTextures, Want};
 use super::primitive::MOST_SETS;
 use super::warnings::Warnings;
 use crate::Result;
@@ -29,6 +37,8 @@ pub(super) struct Resolved {
     pub material: Material,
     /// The sets that KHR_texture_transform changes, and how, without repetitions.
     pub transforms: Vec<(usize, UvTransform)>,
+    /// Whether its mask stands for blending by the alpha of its texture, if that has one.
+    pub blends: bool,
 }
 
 /// The extension for transmission.
@@ -93,6 +103,7 @@ pub(super) fn resolve(
             None => Resolved {
                 material: Material::default(),
                 transforms: Vec::new(),
+                blends: false,
             },
         };
         resolved.insert(index, material);
@@ -108,30 +119,49 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
         document,
         place: label("material", index, material.name.as_deref()),
         transforms: Vec::new(),
+        bad_textures: want.bad_textures,
+        warnings,
     };
-    reader.warn(material, warnings);
-    let pbr = &material.pbr_metallic_roughness;
+    let pbr = &reader.pbr(material)?;
     // The alpha of a mask is in the texture of its base colour, so it is loaded even if colours are not wanted.
-    let alpha_mode = reader.alpha_mode(material)?;
     let [r, g, b, alpha] = pbr.base_color_factor.0;
+    let (alpha_mode, blends) = match reader.alpha_mode(material)? {
+        // Half the alpha of the texture, whatever the factor: a window that is transparent as a whole stays opaque.
+        AlphaMode::Blend if pbr.base_color_texture.is_some() => (
+            AlphaMode::Mask {
+                cutoff: 0.5 * alpha,
+            },
+            true,
+        ),
+        mode => (mode, false),
+    };
+    reader.warn(material, blends);
+    // Of an unlit material only the base colour counts: where it reflects light, it is matte.
+    let unlit = (material.extensions.as_ref()).is_some_and(|all| all.unlit.is_some());
     let masked = matches!(alpha_mode, AlphaMode::Mask { .. });
     Ok(Resolved {
         material: Material {
             name: material.name.clone().unwrap_or_default(),
             base_colour: reader.colour([r, g, b], "base colour")?,
             base_colour_texture: match &pbr.base_color_texture {
-                Some(info) if want.textures || masked => Some(reader.texture(info)?),
+                Some(info) if want.textures || masked => reader.texture(info)?,
                 _ => None,
             },
-            metallic: reader.fraction(pbr.metallic_factor.0, "metallicFactor")?,
-            roughness: reader.fraction(pbr.roughness_factor.0, "roughnessFactor")?,
+            metallic: match unlit {
+                true => 0.0,
+                false => reader.fraction(pbr.metallic_factor.0, "metallicFactor")?,
+            },
+            roughness: match unlit {
+                true => 1.0,
+                false => reader.fraction(pbr.roughness_factor.0, "roughnessFactor")?,
+            },
             metallic_roughness_texture: match &pbr.metallic_roughness_texture {
-                Some(info) if want.shading => Some(reader.texture(info)?),
+                Some(info) if want.shading && !unlit => reader.texture(info)?,
                 _ => None,
             },
             emissive: reader.emissive(material)?,
             emissive_texture: match &material.emissive_texture {
-                Some(info) if want.shading => Some(reader.texture(info)?),
+                Some(info) if want.shading => reader.texture(info)?,
                 _ => None,
             },
             transmission: reader.transmission(material)?,
@@ -140,10 +170,11 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
             alpha: reader.fraction(alpha, "the alpha of its base colour")?,
             alpha_mode,
             // Only a thickness indicates a body: without it the glass is a film, which does not refract.
-            unlit: (material.extensions.as_ref()).is_some_and(|all| all.unlit.is_some()),
+            unlit,
             double_sided: material.double_sided,
         },
         transforms: reader.transforms,
+        blends,
     })
 }
 
@@ -153,30 +184,95 @@ struct Reader<'d, 'a> {
     /// For messages.
     place: String,
     transforms: Vec<(usize, UvTransform)>,
+    bad_textures: BadTextures,
+    warnings: &'d mut Warnings,
 }
 
 impl Reader<'_, '_> {
     /// Warns about features of the material that are ignored.
-    fn warn(&self, material: &material::Material, warnings: &mut Warnings) {
+    fn warn(&mut self, material: &material::Material, blends: bool) {
         if material.alpha_mode == Checked::Valid(JsonAlphaMode::Blend) {
-            let what = "alpha blending is not supported: the surface is opaque";
-            warnings.add(what, &self.place);
+            let what = match blends {
+                true => {
+                    "alpha blending is not supported: what its texture shows with an alpha below a half is left out, and the rest is opaque"
+                }
+                false => "alpha blending is not supported: the surface is opaque",
+            };
+            self.warnings.add(what, &self.place);
         }
         if self.number(material, TRANSMISSION, "transmissionFactor", 0.0) > 0.0 {
             let pbr = &material.pbr_metallic_roughness;
             if pbr.roughness_factor.0 > 0.0 || pbr.metallic_roughness_texture.is_some() {
-                warnings.add("rough glass is taken as smooth", &self.place);
+                self.warnings
+                    .add("rough glass is taken as smooth", &self.place);
             }
             if self.number(material, "KHR_materials_volume", "attenuationDistance", 0.0) > 0.0 {
-                warnings.add("absorption in glass is not computed", &self.place);
+                self.warnings
+                    .add("absorption in glass is not computed", &self.place);
             }
         }
         if material.normal_texture.is_some() {
-            warnings.add("normal maps are not read", &self.place);
+            self.warnings.add("normal maps are not read", &self.place);
         }
         if material.occlusion_texture.is_some() {
-            warnings.add("occlusion maps are not read", &self.place);
+            self.warnings
+                .add("occlusion maps are not read", &self.place);
         }
+    }
+
+    /// The metallic-roughness properties. A material that has only a diffuse and a specular colour is a dielectric of the former.
+    fn pbr(&mut self, material: &material::Material) -> Result<PbrMetallicRoughness> {
+        let pbr = &material.pbr_metallic_roughness;
+        let all = material.extensions.as_ref();
+        let Some(value) = all.and_then(|all| all.others.get(SPECULAR_GLOSSINESS)) else {
+            return Ok(pbr.clone());
+        };
+        let is_given = pbr.base_color_factor.0 != [1.0; 4]
+            || pbr.base_color_texture.is_some()
+            || pbr.metallic_roughness_texture.is_some()
+            || [pbr.metallic_factor, pbr.roughness_factor]
+                .iter()
+                .any(|factor| factor.0 != 1.0);
+        if is_given {
+            return Ok(pbr.clone());
+        }
+        #[derive(Deserialize)]
+        #[serde(rename_all = "camelCase", default)]
+        struct SpecularGlossiness {
+            diffuse_factor: [f32; 4],
+            diffuse_texture: Option<Info>,
+            glossiness_factor: f32,
+            specular_glossiness_texture: Option<IgnoredAny>,
+        }
+        impl Default for SpecularGlossiness {
+            fn default() -> Self {
+                SpecularGlossiness {
+                    diffuse_factor: [1.0; 4],
+                    diffuse_texture: None,
+                    glossiness_factor: 1.0,
+                    specular_glossiness_texture: None,
+                }
+            }
+        }
+        let read = deserialize::from_value::<SpecularGlossiness>(value.clone());
+        let given = read.map_err(|error| {
+            let what = format!("its {SPECULAR_GLOSSINESS} cannot be read: {error}");
+            self.invalid(what, "export the model with metallic-roughness materials")
+        })?;
+        let what = "of KHR_materials_pbrSpecularGlossiness only the diffuse colour and the glossiness factor are read; \
+                    `gltf-transform metalrough IN.glb OUT.glb` converts all of it";
+        self.warnings.add(what, &self.place);
+        Ok(PbrMetallicRoughness {
+            base_color_factor: PbrBaseColorFactor(given.diffuse_factor),
+            base_color_texture: given.diffuse_texture,
+            metallic_factor: StrengthFactor(0.0),
+            // A texture may make any part of it rough.
+            roughness_factor: StrengthFactor(match given.specular_glossiness_texture {
+                None => 1.0 - given.glossiness_factor,
+                Some(_) => 1.0,
+            }),
+            ..pbr.clone()
+        })
     }
 
     fn alpha_mode(&self, material: &material::Material) -> Result<AlphaMode> {
@@ -256,17 +352,22 @@ impl Reader<'_, '_> {
         said.map_or(default, |value| value.as_f64().unwrap_or(f64::NAN))
     }
 
-    fn texture(&mut self, info: &Info) -> Result<TextureRef> {
+    /// A texture; `None` if it has no image that can be read, and such textures are dropped.
+    fn texture(&mut self, info: &Info) -> Result<Option<TextureRef>> {
         let document = self.document;
         let place = format!("{}, texture {}", self.place, info.index.value());
         let texture = document.get(info.index, "texture", &place)?;
         // The parser uses this number for a texture without `source`.
         if texture.source.value() == u32::MAX as usize {
-            return Err(document.unsupported(
-                place,
-                "it has no image, or one that only an extension knows (KTX2, WebP, …)",
-                "store textures as PNG or JPEG",
-            ));
+            let what = "it has no image, or one that only an extension knows (KTX2, WebP, …)";
+            if self.bad_textures == BadTextures::Drop {
+                self.warnings.add(images::left_out(what), &place);
+                return Ok(None);
+            }
+            let extensions = texture.extensions.as_ref();
+            let uses_ktx =
+                extensions.is_some_and(|all| all.others.contains_key("KHR_texture_basisu"));
+            return Err(document.unsupported(place, what, images::remedy(uses_ktx)));
         }
         document.get(texture.source, "image", &place)?;
         // Without a sampler both axes repeat (glTF 2.0 §3.8.4.5).
@@ -306,14 +407,14 @@ impl Reader<'_, '_> {
             let help = "at most 16 texture coordinate sets are read, TEXCOORD_0 to TEXCOORD_15";
             return Err(document.unsupported(place, what, help));
         }
-        Ok(TextureRef {
+        Ok(Some(TextureRef {
             image: texture.source.value(),
             uv_set: self.set(set as usize, transform),
             sampler: TextureSampler {
                 wrap: [wrap_u, wrap_v],
                 filter,
             },
-        })
+        }))
     }
 
     /// The number of a set with this transform applied.

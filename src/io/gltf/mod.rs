@@ -36,18 +36,18 @@ mod pieces;
 mod primitive;
 mod skins;
 mod summary;
+mod transforms;
 mod uri;
 mod vertices;
 mod warnings;
 
-mod transforms;
 use std::path::Path;
 
 pub use animation::GltfTrack;
 pub use camera::GltfCamera;
 pub(crate) use draft::{ANIMATIONS_UNREAD, CAMERAS_UNREAD, LIGHTS_UNREAD};
 pub use glb::save;
-pub use import::{BadVertices, EncodedImage, Imported, Want};
+pub use import::{BadTextures, BadVertices, EncodedImage, Imported, Want};
 pub use lights::{GltfLight, GltfLightKind};
 pub use summary::GltfSummary;
 
@@ -77,7 +77,19 @@ pub fn load_bytes(bytes: &[u8], name: &str, node: Option<&str>, want: Want) -> R
 /// # Errors
 /// As for [`load`], if they can be detected without reading data.
 pub fn inspect(path: &Path, node: Option<&str>) -> Result<GltfSummary> {
-    summary::summary(&Document::open(path)?, node)
+    inspect_for(path, node, BadTextures::Refuse)
+}
+
+/// The same for an import that treats textures as `bad_textures` says.
+///
+/// # Errors
+/// As for [`load`], if they can be detected without reading data.
+pub fn inspect_for(
+    path: &Path,
+    node: Option<&str>,
+    bad_textures: BadTextures,
+) -> Result<GltfSummary> {
+    summary::summary(&Document::open(path)?, node, bad_textures)
 }
 
 /// The lights of the default scene (KHR_lights_punctual), in the order of their nodes.

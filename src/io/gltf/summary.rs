@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::camera;
 use super::document::Document;
 use super::draft::Draft;
-use super::import::{BadVertices, Want};
+use super::import::{BadTextures, BadVertices, Want};
 use super::lights;
 use super::pieces::Pieces;
 use super::uri::{self, Target};
@@ -62,16 +62,21 @@ pub struct GltfSummary {
     /// The minimum and maximum corner of a box around all vertices, metres, as the file declares it (which is not checked); `None` if it
     /// does not.
     pub bounds: Option<[DVec3; 2]>,
-    /// What would be ignored, with its place, one sentence each.
-    pub warnings: Vec<String>,
     /// Bytes that skins and morph targets take while the vertices of one primitive are placed, for the primitive that needs most.
     pub placing: u64,
+    /// What would be ignored, with its place, one sentence each.
+    pub warnings: Vec<String>,
 }
 
 /// The contents of a file as its nodes place them, from the counts of accessors only: instances count each time.
-pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSummary> {
+pub(super) fn summary(
+    document: &Document,
+    node: Option<&str>,
+    bad_textures: BadTextures,
+) -> Result<GltfSummary> {
     let want = Want {
         bad_vertices: BadVertices::Refuse,
+        bad_textures,
         uvs: true,
         textures: true,
         shading: true,
@@ -109,15 +114,19 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSum
             .collect(),
         uv_sets: draft.uv_sets(),
         materials: materials.iter().map(|m| m.name.clone()).collect(),
+        default_material,
         factors: materials.iter().map(|m| m.factors()).collect(),
         lights: lights::names(document, &lit),
         cameras: camera::names(document),
         animations: (document.root.animations.iter())
             .map(|animation| animation.name.clone().unwrap_or_default())
-        default_material,
             .collect(),
         files: files(document),
         bounds: bounds(document, pieces),
+        placing: (pieces.all())
+            .map(|(_, piece)| piece.positions.count.saturating_mul(piece.scratch()))
+            .max()
+            .unwrap_or(0),
         warnings: draft.warnings.into_sentences(),
     })
 }
@@ -128,10 +137,6 @@ fn name(document: &Document, node: usize) -> String {
 }
 
 /// Other files to which a document refers.
-        placing: (pieces.all())
-            .map(|(_, piece)| piece.positions.count.saturating_mul(piece.scratch()))
-            .max()
-            .unwrap_or(0),
 pub(super) fn files(document: &Document) -> Vec<PathBuf> {
     let Some(directory) = &document.directory else {
         return Vec::new();

@@ -190,7 +190,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
 fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
     match &object.geometry {
         Geometry::Gltf { path, node } => {
-            let summary = gltf::inspect(path, node.as_deref())?;
+            let summary = gltf::inspect_for(path, node.as_deref(), object.bad_textures)?;
             Ok(PlannedObject {
                 name: object.name.clone(),
                 file: Some(path.clone()),

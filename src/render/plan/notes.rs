@@ -211,7 +211,7 @@ pub fn unread(scene: &Scene) -> Vec<String> {
         if !inspected.insert(part) {
             continue;
         }
-        if let Ok(summary) = gltf::inspect(part.0, part.1) {
+        if let Ok(summary) = gltf::inspect_for(part.0, part.1, object.bad_textures) {
             files.push((part.0, summary.warnings));
         }
     }

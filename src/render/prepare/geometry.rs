@@ -95,6 +95,7 @@ pub(super) fn want(scene: &Scene, object: &Object, planned: &PlannedObject) -> g
         shading: scene.is_lit(),
         normals: planned.normals,
         bad_vertices: object.bad_vertices,
+        bad_textures: object.bad_textures,
     }
 }
 

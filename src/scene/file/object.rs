@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::camera::Velocity;
 use super::spectrum::Spectrum;
 use crate::scene::at::At;
-use crate::scene::model::BadVertices;
+use crate::scene::model::{BadTextures, BadVertices};
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -29,6 +29,9 @@ pub(in crate::scene) struct Object {
     /// What to do about vertices of a glTF file that are NaN, infinite or beyond 2e90 m: "refuse" the file, or "drop" the triangles that
     /// use them, with a warning that counts them. The other triangles keep their numbers. Excludes `shape`. Default: "refuse".
     pub bad_vertices: Option<At<BadVertices>>,
+    /// What to do about textures of a glTF file whose image is missing or neither PNG nor JPEG: "refuse" the file, or "drop" them, with a
+    /// warning: their material then has its factors alone. Excludes `shape`. Default: "refuse".
+    pub bad_textures: Option<At<BadTextures>>,
     /// A built-in shape, like { box = { size = [1, 1, 1] } }. Excludes `gltf`.
     pub shape: Option<At<Shape>>,
     /// Linear RGB base colour of the shape, each at least 0. Default: [0.8, 0.8, 0.8].

@@ -17,8 +17,8 @@ use super::fronts::{Lit, Show, Source};
 use super::motion::Motion;
 use super::subject::{Ball, Subject};
 use super::text::{
-    EMISSION, FlashLight, MADE_FOR_MODEL, ModelScene, backs_of, brightness, light_names, vector,
-    write_light,
+    DROPS, EMISSION, FlashLight, MADE_FOR_MODEL, ModelScene, backs_of, brightness, light_names,
+    vector, write_light,
 };
 use super::view::{Flash, VIEWPOINT};
 use crate::error::{Error, Result};
@@ -211,7 +211,7 @@ pub(super) fn flashing(
         };
         let _ = write!(
             text,
-            "\n[[object]]\nname = \"model\"\ngltf = {}\n",
+            "\n[[object]]\nname = \"model\"\ngltf = {}\n{DROPS}",
             Value::from(model.name).to_string().trim()
         );
         texture(&mut text, "model");

@@ -24,13 +24,13 @@ use self::framing::framing;
 use self::motion::Motion;
 use self::subject::{Ball, Subject};
 pub(crate) use self::text::MADE_FOR_MODEL;
+use self::text::{DROPS, backs_of, brightness, light_names, vector, write_light};
 pub use self::text::{FlashLight, ModelScene};
-use self::text::{backs_of, brightness, light_names, vector, write_light};
 use self::view::VIEWPOINT;
 pub use self::view::{Flash, Heading, ModelView};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
-use crate::io::gltf;
+use crate::io::gltf::{self, BadTextures};
 use crate::mesh::Factors;
 use crate::spacetime::Quantity;
 
@@ -66,7 +66,7 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
     if !view.allow_outside {
         gltf::refuse_outside(path)?;
     }
-    let held = gltf::inspect(path, None)?;
+    let held = gltf::inspect_for(path, None, BadTextures::Drop)?;
     let subject = Subject::of(path, &held, view.flash.is_some(), budget)?;
     let motion = Motion::new(path, view)?;
     let size = view.size.unwrap_or(SIZE);
@@ -87,7 +87,7 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
     let _ = camera.write(&mut text, size);
     let _ = write!(
         text,
-        "\n[[object]]\ngltf = {}\n\n[radiance]\n",
+        "\n[[object]]\ngltf = {}\n{DROPS}\n[radiance]\n",
         Value::from(name).to_string().trim()
     );
     let quantity = camera.quantity();

@@ -11,7 +11,7 @@ use glam::DVec3;
 use super::view::VIEWPOINT;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
-use crate::io::gltf::{self, BadVertices, GltfSummary, Want};
+use crate::io::gltf::{self, BadTextures, BadVertices, GltfSummary, Want};
 use crate::mesh::{Material, Mesh};
 
 /// Cells of directions along each half axis: 1/12, or 5°, over which a sphere deviates from its tangent plane by 4·10⁻³.
@@ -102,6 +102,7 @@ impl Subject {
             shading: flashes && held.factors.iter().any(|factors| factors.emits),
             normals: false,
             bad_vertices: BadVertices::Drop,
+            bad_textures: BadTextures::Drop,
         };
         let mesh = gltf::load(path, None, want)?.mesh;
         let subject = Subject::in_mesh(&mesh).ok_or_else(|| {

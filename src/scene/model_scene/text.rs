@@ -19,6 +19,9 @@ use crate::spacetime::units::{Angle, LARGEST, SMALLEST};
 /// The first line of such a scene.
 pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a scene.";
 
+/// Keys of the model's object: the rest of a model is shown if a part of it cannot be.
+pub(super) const DROPS: &str = "bad_vertices = \"drop\"\nbad_textures = \"drop\"\n";
+
 /// The scene made for a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelScene {

@@ -93,6 +93,11 @@ fn resolve(
             .as_ref()
             .map(|at| at.value)
             .unwrap_or_default(),
+        bad_textures: object
+            .bad_textures
+            .as_ref()
+            .map(|at| at.value)
+            .unwrap_or_default(),
         velocity: velocity::resolve(cx, &object.velocity)?,
         origin: Event::new(cx.time(&origin.time)?, origin.position.value.vec()),
         span: span(at),
@@ -158,9 +163,11 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
         });
     }
     cx.exclusive((&object.shape, "shape"), (&object.node, "node"))?;
-    // A built-in shape has neither nodes nor bad vertices.
+    // A built-in shape has neither nodes nor bad vertices or textures.
     let bad_vertices = (&object.bad_vertices, "bad_vertices");
     cx.exclusive((&object.shape, "shape"), bad_vertices)?;
+    let bad_textures = (&object.bad_textures, "bad_textures");
+    cx.exclusive((&object.shape, "shape"), bad_textures)?;
     let Some(shape) = &object.shape else {
         let help = "add gltf = \"file.glb\" or shape = { box = { size = [1, 1, 1] } }";
         return Err(cx.refuse(at, "this object has no geometry", help));

@@ -233,6 +233,7 @@ fn objects(
             shading: false,
             normals: true,
             bad_vertices: object.bad_vertices,
+            bad_textures: object.bad_textures,
         };
         let (mesh, images) = object_mesh(object, all, warnings)?;
         is_matte &= mesh.materials.iter().all(lights::is_matte);

@@ -142,6 +142,19 @@ fn bad_vertices_are_refused_unless_the_object_says_otherwise() {
 }
 
 #[test]
+fn bad_textures_are_refused_unless_the_object_says_otherwise() {
+    let folder = Folder::with_files();
+    for (said, expected) in [
+        ("", BadTextures::Refuse),
+        ("bad_textures = \"drop\"\n", BadTextures::Drop),
+    ] {
+        let text = VALID.replace("node = \"Wheel\"\n", said);
+        let scene = folder.parse(&text).unwrap();
+        assert_eq!(scene.objects[0].bad_textures, expected, "{said}");
+    }
+}
+
+#[test]
 fn a_matrix_is_given_by_rows() {
     let scene = shape_scene(
         "",

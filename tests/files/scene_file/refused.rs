@@ -78,6 +78,8 @@ cases! { CAMERA:
 
 cases! { OBJECTS:
     "node = \"Wheel\"" => "bad_vertices = \"keep\"" at "object[0].bad_vertices" "\"keep\"": "keep is not one of refuse, drop", "\"refuse\" the file";
+    "node = \"Wheel\"" => "bad_textures = \"keep\"" at "object[0].bad_textures" "\"keep\"": "keep is not one of refuse, drop", "\"refuse\" the file";
+    "colour = [1, 0.5, 0.25]" => "bad_textures = \"drop\"" at "object[2].bad_textures" "\"drop\"": "`shape` and `bad_textures` exclude", "keep one";
     "colour = [1, 0.5, 0.25]" => "bad_vertices = \"drop\"" at "object[2].bad_vertices" "\"drop\"": "`shape` and `bad_vertices` exclude", "keep one";
     "name = \"ship\"" => "name = \"floor\"" at "object[2].name" "\"floor\"": "two objects are named \"floor\"", "of its own";
     "name = \"ship\"" => "name = \" \"" at "object[2].name" "\" \"": "the name is empty", "leave the key out";

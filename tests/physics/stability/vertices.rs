@@ -11,7 +11,7 @@ use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
-use nullray::scene::model::BadVertices;
+use nullray::scene::model::{BadTextures, BadVertices};
 use nullray::scene::{Overrides, parse};
 use nullray::{Error, Result};
 
@@ -236,6 +236,7 @@ fn non_finite_texture_coordinates_are_dropped_like_positions() {
         shading: false,
         normals: false,
         bad_vertices,
+        bad_textures: BadTextures::Refuse,
     };
     assert!(gltf::load(&path, None, want(BadVertices::Refuse)).is_err());
     let imported = gltf::load(&path, None, want(BadVertices::Drop)).unwrap();
@@ -292,6 +293,7 @@ fn denormal_positions_of_a_file_are_kept_exactly() {
         shading: false,
         normals: false,
         bad_vertices: BadVertices::Refuse,
+        bad_textures: BadTextures::Refuse,
     };
     let imported = gltf::load(&path, None, want).unwrap();
     let least = libm::exp2(-149.0);

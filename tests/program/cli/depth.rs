@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use nullray::io::budget::Budget;
-use nullray::io::gltf::{self, BadVertices, Want};
+use nullray::io::gltf::{self, BadTextures, BadVertices, Want};
 use nullray::io::npy;
 
 use super::{Folder, repository};
@@ -57,6 +57,7 @@ fn errors(path: &Path, seen: &[f64]) -> Vec<f64> {
         shading: false,
         normals: false,
         bad_vertices: BadVertices::Refuse,
+        bad_textures: BadTextures::Refuse,
     };
     let mesh = gltf::load(path, None, want).unwrap().mesh;
     let error = |(position, [u, v]): (&DVec3, &[f32; 2])| {

@@ -18,6 +18,7 @@ mod interrupt;
 mod lamps;
 mod memory;
 mod methods;
+mod model_parts;
 mod models;
 mod overlay;
 mod page;

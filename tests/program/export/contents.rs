@@ -12,7 +12,7 @@ use nullray::mesh::{AlphaMode, Mesh};
 use nullray::render::aov::Aov;
 use nullray::render::metadata;
 use nullray::scene::Builder;
-use nullray::scene::model::BadVertices;
+use nullray::scene::model::{BadTextures, BadVertices};
 use nullray::validate::export::{BUNDLE_SCHEMA, Cubes, ExportOptions, README};
 
 use super::{Exported, exported, exported_scene, exported_with};
@@ -206,6 +206,7 @@ fn our_own_importer_reads_the_geometry() {
         shading: false,
         normals: false,
         bad_vertices: BadVertices::Refuse,
+        bad_textures: BadTextures::Refuse,
     };
     let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
         .unwrap()
@@ -226,6 +227,7 @@ fn a_base_colour_that_gltf_cannot_hold_is_in_the_description() {
         shading: false,
         normals: false,
         bad_vertices: BadVertices::Refuse,
+        bad_textures: BadTextures::Refuse,
     };
     let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
         .unwrap()
@@ -252,6 +254,7 @@ fn textures_go_with_the_geometry() {
         shading: false,
         normals: false,
         bad_vertices: BadVertices::Refuse,
+        bad_textures: BadTextures::Refuse,
     };
     let loaded = gltf::load(&exported.path("geometry/000.glb"), None, want).unwrap();
     assert_eq!(loaded.images[0].bytes, bytes);
@@ -324,6 +327,7 @@ fn masks_and_colours_of_vertices_are_in_the_geometry_and_said() {
         shading: false,
         normals: false,
         bad_vertices: BadVertices::Refuse,
+        bad_textures: BadTextures::Refuse,
     };
     let again = gltf::load(&exported.path("geometry/001.glb"), None, want).unwrap();
     assert_eq!(again.mesh.colours, mesh.colours);

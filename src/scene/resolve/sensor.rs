@@ -176,14 +176,11 @@ fn swept_radius(model: &CameraModel, rotation: &Rotation) -> f64 {
     corners.iter().map(radius).fold(0.0, f64::max)
 }
 
-/// The proper accelerations at the beginning and the end of the exposure.
-fn exposed(model: &CameraModel) -> Vec<DVec3> {
-    let Ok(line) = model.world_line() else {
-        return Vec::new();
-    };
+/// A proper acceleration during the exposure beyond whose horizon one of `corners` lies.
+fn exposed(model: &CameraModel, corners: &[DVec3]) -> Option<DVec3> {
     let end = model.time + model.shutter.map_or(0.0, |s| s.duration);
-    let states = [model.time, end].into_iter().filter_map(|t| line.state(t));
-    states.map(|state| state.acceleration).collect()
+    let line = model.world_line().ok()?;
+    line.beyond_horizon([model.time, end], corners)
 }
 
 /// Refuses a rigid sensor that reaches the horizon of its pinhole's acceleration.
@@ -193,8 +190,8 @@ fn refuse_horizon(
     at: &At<file::Sensor>,
     model: &CameraModel,
 ) -> Result<()> {
-    // Those in the file, and those at both ends of the exposure, which other motions have as well.
-    let mut accelerations = match &model.motion {
+    // Those in the file, and those during the exposure, which other motions have as well.
+    let accelerations = match &model.motion {
         Motion::Accelerated(a) => vec![*a],
         Motion::Segments(segments) => segments.iter().map(|s| s.acceleration).collect(),
         Motion::Profile { knots, .. } => knots.iter().map(|(_, a)| *a).collect(),
@@ -203,13 +200,13 @@ fn refuse_horizon(
         | Motion::Animation { .. }
         | Motion::Circular { .. } => Vec::new(),
     };
-    accelerations.extend(exposed(model));
     let (Some(corners), Some(motion)) = (model.sensor_corners(), &file.motion) else {
         return Ok(());
     };
     // 1 + a·p is linear in p, so its minimum on a flat sensor is at a corner.
     let reaches = |a: &&DVec3| corners.iter().any(|&p| 1.0 + a.dot(p) <= 0.0);
-    let Some(a) = accelerations.iter().find(reaches) else {
+    let in_file = accelerations.iter().find(reaches).copied();
+    let Some(a) = in_file.or_else(|| exposed(model, &corners)) else {
         return Ok(());
     };
     let (a, length) = (a.length(), &at.value.focal_length);

@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use super::cone::past_cone;
 use super::error::{MAX_ACCELERATION, MAX_ENTRIES, WorldLineError};
+use super::horizon::{self, Around};
 use super::hyperbola;
 use super::state::{Crossing, State};
 use super::stretch::Stretch;
@@ -138,6 +139,19 @@ impl Arcs {
     /// The arc that a past light cone crosses; `from` is the displacement from an event to the cone's apex.
     fn crossed(&self, from: impl Fn(Event<World>) -> Displacement<World>) -> usize {
         self.arcs[1..].partition_point(|arc| from(arc.begin.event).is_causal())
+    }
+
+    /// As [`super::WorldLine::beyond_horizon`].
+    pub fn beyond_horizon(&self, times: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
+        let nodes = self.arcs.iter().skip(1).map(|arc| arc.begin.proper_time);
+        horizon::beyond(times, nodes, points, |middle, half| {
+            let acceleration = self.state(middle)?.acceleration;
+            let radius = acceleration.length_squared() * half;
+            Some(Around {
+                acceleration,
+                radius,
+            })
+        })
     }
 
     /// The arc around `near`, a state of this line.

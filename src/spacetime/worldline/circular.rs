@@ -14,6 +14,7 @@ use glam::DVec3;
 use super::cone::past_cone;
 use super::elapsed::Elapsed;
 use super::error::WorldLineError;
+use super::horizon::{self, Around};
 use super::root;
 use super::rounding::product;
 use super::series::delay_left;
@@ -92,6 +93,17 @@ impl Circular {
         let acceleration = radial * (-pull * pull);
         let event = self.zero + moved;
         Some(State::new(proper_time, event, velocity, acceleration))
+    }
+
+    /// As [`super::WorldLine::beyond_horizon`].
+    pub fn beyond_horizon(&self, times: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
+        horizon::beyond(times, std::iter::empty(), points, |middle, half| {
+            let acceleration = self.state(middle)?.acceleration;
+            Some(Around {
+                acceleration,
+                radius: acceleration.length() * self.rate.abs() * self.gamma * half,
+            })
+        })
     }
 
     pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {

@@ -17,6 +17,7 @@ use super::clock::Clock;
 use super::cone::past_cone;
 use super::elapsed::Elapsed;
 use super::error::{WorldLineError, check_ascending, check_count};
+use super::horizon;
 use super::polyline;
 use super::series::{Series, SeriesCrossing};
 use super::spline;
@@ -127,13 +128,29 @@ impl Keyframes {
             .world_time(proper_time, |span, s| rate(&self.series, span, s));
         let (event, tangent) = self.series.at(ct);
         let (v, w) = (tangent.x, self.series.second(ct));
-        let speed = v.length();
-        // γ² and γ⁴/(1 + γ) (v·w), the factors in a.
-        let gamma_squared = 1.0 / ((1.0 - speed) * (1.0 + speed));
-        let along = gamma_squared * gamma_squared / (1.0 + gamma_squared.sqrt()) * v.dot(w);
         let velocity = Velocity::from_beta(v).ok()?;
-        let acceleration = w * gamma_squared + v * along;
+        let acceleration = horizon::proper(v, w);
         Some(State::new(proper_time, event, velocity, acceleration))
+    }
+
+    /// As [`super::WorldLine::beyond_horizon`].
+    pub fn beyond_horizon(&self, [from, to]: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
+        let [first, last] = self.keys();
+        // At rest, before and after, there is no horizon.
+        if to < first || from > last {
+            return None;
+        }
+        let times = [from, to].map(|time| {
+            let time = time.clamp(first, last);
+            self.clock
+                .world_time(time, |span, s| rate(&self.series, span, s))
+        });
+        let nodes = self.series.parameters.iter().copied();
+        horizon::beyond(times, nodes, points, |middle, half| {
+            let (_, tangent) = self.series.at(middle);
+            let [second, third] = [self.series.second(middle), self.series.third(middle)];
+            Some(horizon::on_path([tangent.x, second, third], half))
+        })
     }
 
     pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {

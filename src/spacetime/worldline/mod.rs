@@ -49,6 +49,7 @@ mod clock;
 mod cone;
 mod elapsed;
 mod error;
+mod horizon;
 mod hyperbola;
 mod keyframes;
 mod polyline;

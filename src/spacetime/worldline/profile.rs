@@ -9,6 +9,7 @@ use super::arcs;
 use super::cone::past_cone;
 use super::elapsed::Elapsed;
 use super::error::{WorldLineError, check_ascending, check_count};
+use super::horizon::{self, Around};
 use super::rounding::sum;
 use super::series::{Piece, Series, SeriesCrossing};
 use super::state::{Crossing, State};
@@ -88,6 +89,25 @@ impl Profile {
             }
         };
         Some(State::new(proper_time, event, velocity, acceleration))
+    }
+
+    /// As [`super::WorldLine::beyond_horizon`].
+    pub fn beyond_horizon(&self, times: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
+        let nodes = self.knots.iter().map(|(time, _)| *time);
+        horizon::beyond(times, nodes, points, |middle, half| {
+            let acceleration = self.state(middle)?.acceleration;
+            let span = span_at(&self.knots, middle);
+            let ((t0, a0), (t1, a1)) = (self.knots[span], self.knots[span + 1]);
+            let slope = (a1 - a0).length() / (t1 - t0);
+            let turning = match self.axes {
+                Axes::World => 0.0,
+                Axes::Gyroscope => (acceleration.length() + slope * half).powi(2),
+            };
+            Some(Around {
+                acceleration,
+                radius: (slope + turning) * half,
+            })
+        })
     }
 
     pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {

@@ -93,6 +93,16 @@ impl Series {
         sum.truncate() / (piece.scale * piece.scale)
     }
 
+    /// The third derivative of the position at a parameter, of pieces of degree 3 or less: constant on each.
+    pub fn third(&self, parameter: f64) -> DVec3 {
+        let piece = self.pieces[self.piece(parameter)];
+        let cubic = match piece.count {
+            3.. => self.coefficients[piece.first + 2],
+            _ => DVec4::ZERO,
+        };
+        cubic.truncate() * (6.0 / piece.scale.powi(3))
+    }
+
     /// The displacement on a piece from the parameter `from` to `from` + `s`.
     fn way(&self, piece: usize, from: f64, s: f64) -> Way {
         let piece = self.pieces[piece];

@@ -222,6 +222,18 @@ impl WorldLine {
         }
     }
 
+    /// A proper acceleration from one proper time to another beyond whose horizon one of `points` lies: where a rigid body with
+    /// constant places in the comoving frame, whose axes are the world's boosted without rotation, cannot exist, 1 + a·p ≤ 0.
+    /// `None` if the line has no such acceleration then, also between any two moments at which one would look.
+    pub fn beyond_horizon(&self, times: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
+        match &self.kind {
+            Kind::Arcs(line) => line.beyond_horizon(times, points),
+            Kind::Profile(line) => line.beyond_horizon(times, points),
+            Kind::Keyframes(line) => line.beyond_horizon(times, points),
+            Kind::Circular(line) => line.beyond_horizon(times, points),
+        }
+    }
+
     /// The crossing of the line and the past light cone of `apex`, like [`WorldLine::on_past_light_cone`]. The displacement of the crossing
     /// is relative to `apex` itself: a null vector into the past.
     pub fn on_past_light_cone_of(&self, apex: Event<World>) -> Option<Crossing> {

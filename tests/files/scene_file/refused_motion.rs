@@ -218,3 +218,28 @@ fn more_than_a_hundred_thousand_keyframes_are_refused() {
     let what = "100001 keyframes are too many";
     assert!(refusal.what.contains(what), "{}", refusal.what);
 }
+
+#[test]
+fn a_rigid_sensor_beyond_the_horizon_in_the_middle_of_an_exposure_is_refused() {
+    // The path turns around at 1.2 m, with x″ = −5.6 /m in between by the spline, and is almost straight at both ends of the exposure.
+    let text = |focal: &str| {
+        format!(
+            "[camera]\nforward = [0, 0, -1]\nhfov = \"60 deg\"\ntime = \"0 m\"\nsensor = {{ focal_length = \"{focal}\" }}\n\
+             shutter = {{ duration = \"2 m\" }}\nmotion = {{ keyframes = [{{ time = \"0 m\", position = [0, 0, 0] }}, \
+             {{ time = \"1 m\", position = [0, 0, 0.3] }}, {{ time = \"1.2 m\", position = [0, 0, 0.36] }}, \
+             {{ time = \"1.4 m\", position = [0, 0, 0.3] }}, {{ time = \"3 m\", position = [0, 0, 0] }}] }}\n\
+             [[object]]\nshape = {{ sphere = {{ radius = 5 }} }}\n"
+        )
+    };
+    let parsed = |focal: &str| {
+        nullray::scene::parse(
+            &text(focal),
+            "a.toml",
+            ".".as_ref(),
+            &nullray::scene::Overrides::default(),
+        )
+    };
+    let refused = parsed("0.6 m").unwrap_err().to_string();
+    assert!(refused.contains("behind its pinhole"), "{refused}");
+    assert!(parsed("0.05 m").is_ok());
+}

@@ -27,17 +27,35 @@ const SHOT: [&str; 10] = [
     "camera_clock_zero_event",
     "camera_rapidity",
     "camera_time",
+    "camera_shot_event",
+    "camera_shot_rapidity",
     "camera_right",
     "camera_up",
     "camera_forward",
     "camera_horizontal_fov_rad",
-    "camera_projection",
-    "camera_interpupillary_distance",
     "medium_index",
 ];
 
-/// Those of them that are omitted for pictures of a single pinhole in front of a plane.
-const NOT_PLAIN: [&str; 2] = ["camera_projection", "camera_interpupillary_distance"];
+/// More of them, which are omitted where there is no such thing: a single pinhole in front of a plane, without acceleration, sensor and
+/// shutter, has none.
+const NOT_PLAIN: [&str; 16] = [
+    "camera_projection",
+    "camera_interpupillary_distance",
+    "camera_motion",
+    "camera_proper_acceleration_per_m",
+    "camera_circle_centre",
+    "camera_circle_axis",
+    "camera_circle_rate_rad_per_m",
+    "sensor_focal_length",
+    "sensor_size",
+    "sensor_assembly",
+    "rotation_axis",
+    "rotation_rate_rad_per_m",
+    "rotation_through",
+    "rotation_elements",
+    "shutter_duration",
+    "shutter_records",
+];
 
 /// Channels that only one of the pictures has, and that are not compared.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
@@ -297,14 +315,13 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<Message>> {
     }
     // Pictures of different shots may be compared on purpose: a note, not an error.
     let mut notes = Vec::new();
-    // A camera without a stated projection is a plain one, provided that the picture has a camera.
+    // A camera without a stated projection, motion or sensor is a plain one, provided that the picture has a camera.
     let has_camera = |p: &Picture| p.metadata("camera_forward").is_some();
     let is_plain_in_one = |key: &&str| {
         let there = [r, c].map(|p| p.metadata(key).is_some());
         NOT_PLAIN.contains(key) && there[0] != there[1] && [r, c].into_iter().all(has_camera)
     };
-    let moved: Vec<&str> = SHOT
-        .into_iter()
+    let moved: Vec<&str> = (SHOT.into_iter().chain(NOT_PLAIN))
         .filter(|key| differs(key).is_some() || is_plain_in_one(key))
         .collect();
     if !moved.is_empty() {

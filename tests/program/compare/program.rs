@@ -259,7 +259,7 @@ fn png_of_both_depths_and_with_alpha_are_read_as_codes() {
 }
 
 #[test]
-fn cameras_of_other_projections_and_of_two_eyes_are_noted() {
+fn every_difference_between_two_cameras_is_noted() {
     let folder = tempfile::tempdir().unwrap();
     let shot = [("camera_forward", "0 0 -1")];
     let cameras = [
@@ -269,6 +269,21 @@ fn cameras_of_other_projections_and_of_two_eyes_are_noted() {
             vec![("camera_projection", "fisheye_equidistant")],
         ),
         ("stereo", vec![("camera_interpupillary_distance", "0.06")]),
+        (
+            "rocket",
+            vec![
+                ("camera_motion", "acceleration"),
+                ("camera_proper_acceleration_per_m", "1 0 0"),
+            ],
+        ),
+        (
+            "turning",
+            vec![("rotation_axis", "0 1 0"), ("rotation_rate_rad_per_m", "1")],
+        ),
+        (
+            "exposed",
+            vec![("sensor_focal_length", "0.1"), ("shutter_duration", "0.5")],
+        ),
     ];
     for (name, keys) in &cameras {
         let [mut picture, _] = light(16, 16);
@@ -280,6 +295,12 @@ fn cameras_of_other_projections_and_of_two_eyes_are_noted() {
     for (candidate, key) in [
         ("fisheye.exr", "camera_projection"),
         ("stereo.exr", "camera_interpupillary_distance"),
+        (
+            "rocket.exr",
+            "camera_motion, camera_proper_acceleration_per_m",
+        ),
+        ("turning.exr", "rotation_axis, rotation_rate_rad_per_m"),
+        ("exposed.exr", "sensor_focal_length, shutter_duration"),
     ] {
         let output = run(folder.path(), &["plain.exr", candidate]);
         let said = text(&output.stdout) + &text(&output.stderr);

@@ -412,23 +412,26 @@ fn film(
                 .exposure
                 .is_same(arguments.motion.speeds.is_none()),
             quiet: arguments.work.quiet.on,
+    let mut fingerprints = Vec::new();
             file,
             scene,
             frames: &take.frames,
             request: &request,
             outputs: &outputs,
         };
-        frames::run(&job, None)?;
+        fingerprints.push(frames::run(&job, None)?);
     }
     // Then they are put side by side, one picture of the film at a time.
     let picture = |k: u64| {
         let mut panels = Vec::new();
-        for take in takes {
+        for (take, fingerprints) in takes.iter().zip(&fingerprints) {
+            let path = numbered(&folder.pattern(take.name), k);
             panels.push(Panel {
-                picture: reel::read(&numbered(&folder.pattern(take.name), k))?,
+                picture: reel::read(&path, &fingerprints[k as usize])?,
                 label: label(arguments, scene, take, k),
                 new_row: false,
             });
+            can_resume: folder.stays(),
         }
         if let Some(picture) = diagrams.get(k as usize) {
             let label = "its space-time diagram".into();

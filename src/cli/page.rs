@@ -20,7 +20,7 @@ use super::frames::{self, Frames, Job, Shot};
 use super::names::{numbered, stem};
 use super::output::Outputs;
 use super::progress::Bar;
-use super::reel::Folder;
+use super::reel::{self, Folder};
 use super::{builtin, inputs, interrupt, motion, say};
 
 /// Pixels per point in the diagrams of pixels.
@@ -92,16 +92,17 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
         request: &arguments.changes.request(arguments.work.threads.count),
         outputs: &outputs,
     };
-    frames::run(&job, None)?;
+    let fingerprints = frames::run(&job, None)?;
     let files = frames.numbers.clone().map(|k| numbered(&pattern, k));
     // Base 64 uses four characters for three bytes. Files that are too large are not read.
+        can_resume: true,
     let bytes = files
         .clone()
         .map(|path| std::fs::metadata(path).map_or(0, |file| file.len()));
     check_size(bytes.sum::<u64>() as f64 / 0.75e6, arguments)?;
     let pictures = files
-        .clone()
-        .map(|path| std::fs::read(&path).map_err(Error::io(&path, "cannot read")));
+        .zip(&fingerprints)
+        .map(|(path, fingerprint)| reel::read_bytes(&path, fingerprint));
     let title = arguments.title.clone();
     let page = Page {
         title: title.unwrap_or_else(|| stem(arguments.scene.path()).display().to_string()),

@@ -19,7 +19,7 @@ use tempfile::TempDir;
 
 use super::check::{Names, by_ffmpeg, unknown_format};
 use super::failure::refused;
-use super::output::extension;
+use super::output::{Identity, extension};
 use super::{inputs, interrupt, memory, say};
 
 /// The name of a film that goes to standard output.
@@ -142,6 +142,11 @@ impl Folder {
         Ok(Folder::Beside { path, lock })
     }
 
+    /// Whether it stays if the work is stopped.
+    pub fn stays(&self) -> bool {
+        matches!(self, Folder::Beside { .. })
+    }
+
     /// A name for numbered pictures in it.
     pub fn pattern(&self, name: &str) -> PathBuf {
         let path = match self {
@@ -181,9 +186,18 @@ impl Drop for Folder {
     }
 }
 
-/// Reads a picture that was written before.
-pub fn read(path: &Path) -> Result<RgbImage> {
+/// Reads a picture that was written before, with the fingerprint `expected`.
+pub fn read(path: &Path, expected: &str) -> Result<RgbImage> {
     let layers = png::read(path, &Budget::new(memory::limit(None)))?;
+    // The text is read before the pixels, and the file may be replaced in between.
+    let now = png::inspect(path)?.text;
+    let is_own = |(key, value): &(String, String)| key == Identity::KEY && value == expected;
+    if ![&layers.metadata, &now]
+        .iter()
+        .all(|texts| texts.iter().any(is_own))
+    {
+        return Err(replaced(path));
+    }
     let mut rgb = vec![0; 3 * layers.width as usize * layers.height as usize];
     for (index, channel) in layers.channels.iter().take(3).enumerate() {
         if let Samples::F32(codes) = &channel.samples {
@@ -197,6 +211,24 @@ pub fn read(path: &Path) -> Result<RgbImage> {
         height: layers.height,
         rgb,
     })
+}
+
+/// The bytes of such a picture.
+pub fn read_bytes(path: &Path, expected: &str) -> Result<Vec<u8>> {
+    let bytes = fs::read(path).map_err(Error::io(path, "cannot read"))?;
+    let mut parts = bytes.windows(expected.len());
+    match parts.any(|part| part == expected.as_bytes()) {
+        true => Ok(bytes),
+        false => Err(replaced(path)),
+    }
+}
+
+/// The error for a picture that was written by a run with other options, in the same folder at the same time.
+fn replaced(path: &Path) -> Error {
+    let what = "another run, with a different scene or other options, has replaced this picture since it was rendered";
+    let help =
+        "wait for that run to end, or write to a file of another name, and run the command again";
+    Error::invalid(path, "", what, help)
 }
 
 /// The drawing on a white background.
@@ -301,5 +333,35 @@ impl Reel<'_> {
         }
         film.finish()?;
         Ok(size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_that_another_run_has_replaced_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film-000000.png");
+        let write = |fingerprint: &str| {
+            let text = [(Identity::KEY.to_string(), fingerprint.to_string())];
+            png::write(&path, 2, 1, &[7; 6], &text).unwrap();
+        };
+        write("0123456789abcdef");
+        assert_eq!(read(&path, "0123456789abcdef").unwrap().rgb, [7; 6]);
+        assert!(!read_bytes(&path, "0123456789abcdef").unwrap().is_empty());
+        write("fedcba9876543210");
+        let refused = [
+            read(&path, "0123456789abcdef").err(),
+            read_bytes(&path, "0123456789abcdef").err(),
+        ];
+        for error in refused {
+            let said = error.unwrap().to_string();
+            assert!(
+                said.contains("film-000000.png") && said.contains("replaced"),
+                "{said}"
+            );
+        }
     }
 }

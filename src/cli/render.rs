@@ -91,6 +91,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
                 frames: &frames,
                 request: &request,
                 outputs: &outputs,
+                can_resume: true,
             };
             film.make(&job, account.as_mut())
         }
@@ -196,7 +197,7 @@ impl Film<'_> {
     /// Renders the sequence, and puts the films together from its pictures.
     fn make(&self, job: &Job, account: Option<&mut Account>) -> Result<()> {
         if self.films.is_empty() {
-            return frames::run(job, account);
+            return frames::run(job, account).map(drop);
         }
         let plan = Plan::new(job.scene, job.request)?;
         reel::check(self.films, &inputs::of(job.scene, &plan))?;
@@ -217,9 +218,10 @@ impl Film<'_> {
         if kept.is_none() {
             outputs.images.push(pattern.clone());
         }
-        frames::run(
+        let fingerprints = frames::run(
             &Job {
                 outputs: &outputs,
+                can_resume: folder.as_ref().is_none_or(Folder::stays),
                 ..*job
             },
             account,
@@ -233,7 +235,7 @@ impl Film<'_> {
             metadata: &metadata::of_text(&job.scene.name, &job.scene.text),
             quiet: job.quiet,
         };
-        reel.write(|k| reel::read(&name(k)))?;
+        reel.write(|k| reel::read(&name(k), &fingerprints[k as usize]))?;
         if let Some(folder) = folder {
             folder.remove();
         }
@@ -416,7 +418,7 @@ fn panels_and_frames() -> Error {
     refused(
         "--frames, --from",
         "a sequence shows one scene, but this one has panels",
-        "render the panels without frames, or give a scene without panels",
+        "render the panels without frames; for a sequence of one of them, take the panels out of the scene and give its changes with --set",
     )
 }
 

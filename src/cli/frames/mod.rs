@@ -42,8 +42,10 @@ pub struct Job<'a> {
     pub outputs: &'a Outputs,
 }
 
-/// Renders the frames of a scene.
-pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
+    /// Whether the files stay if the work is stopped.
+    pub can_resume: bool,
+/// Renders the frames of a scene, and returns the fingerprints of their display pictures, in order.
+pub fn run(job: &Job, account: Option<&mut Account>) -> Result<Vec<String>> {
     let Job {
         scene,
         frames,
@@ -65,7 +67,9 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         all.map(|k| outputs.renamed(|path| numbered(path, k))),
         &read,
     )?;
-    interrupt::can_resume("run the same command again to render the missing frames");
+    if job.can_resume {
+        interrupt::can_resume("run the same command again to render the missing frames");
+    }
     let mut sequence = Sequence {
         job,
         plan,
@@ -81,6 +85,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
     };
     // A sequence that extends beyond the camera's motion is not started.
     if let Some(last) = frames.numbers.clone().last() {
+        fingerprints: Vec::new(),
         sequence.scene_at(last)?;
     }
     if job.same_exposure && is_shown(outputs) {
@@ -94,7 +99,8 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
     let written = Unwritten::write(sequence.unwritten.take());
     rendered?;
     sequence.say_each(&written?)?;
-    sequence.conclude()
+    sequence.conclude()?;
+    Ok(sequence.fingerprints)
 }
 
 /// Up to this number, frames are reported one by one as they are written.
@@ -123,6 +129,8 @@ struct Sequence<'a> {
 struct Unwritten {
     scene: Scene,
     outputs: Outputs,
+    /// Those of the display pictures of the frames so far.
+    fingerprints: Vec<String>,
     film: Film,
     times: Option<Film>,
 }
@@ -170,12 +178,9 @@ impl Sequence<'_> {
     fn frame(&mut self, number: u64) -> Result<()> {
         let scene = self.scene_at(number)?;
         let mut outputs = self.job.outputs.renamed(|path| numbered(path, number));
-        outputs.identity = Some(Identity::new(
-            &scene,
-            self.job.request,
-            &outputs,
-            &self.inputs,
-        ));
+        let identity = Identity::new(&scene, self.job.request, &outputs, &self.inputs);
+        self.fingerprints.push(identity.fingerprint(Kind::Display));
+        outputs.identity = Some(identity);
         // In long sequences a line for each frame adds nothing to the count at the end.
         let quiet = self.job.quiet || self.is_long();
         if existing::all(&outputs) {

@@ -266,3 +266,16 @@ fn the_self_test_stops_in_the_midst_of_its_rays() {
     );
     assert!(took < SOON, "{took:?}");
 }
+
+#[test]
+fn a_film_for_a_pipe_does_not_say_that_it_can_be_resumed() {
+    let frames = "render scene.toml --frames 0..10000 --interval 1mm --white 1 -o -";
+    let arguments: Vec<_> = frames.split(' ').collect();
+    let took = stopped(
+        &Folder::new(),
+        &arguments,
+        "-INT",
+        Duration::from_millis(1500),
+    );
+    assert!(took < SOON, "{took:?}");
+}

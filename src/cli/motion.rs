@@ -21,6 +21,7 @@
 use std::str::FromStr;
 
 use glam::DVec3;
+use nullray::camera;
 use nullray::figures::contact_sheet::{self, Panel, SheetOptions};
 use nullray::figures::diagram::Series;
 use nullray::figures::drawing::png;
@@ -136,6 +137,7 @@ fn motion(
     pictures: u32,
     request: &Request,
 ) -> Result<Option<Vec<Shot>>> {
+    let scene = &placed(scene)?;
     let last = f64::from(pictures.saturating_sub(1).max(1));
     let part = |k: u32| f64::from(k) / last;
     let [right, _, forward] = scene.camera.axes;
@@ -185,6 +187,7 @@ pub fn speeds(
     beta: f64,
     steps: u32,
 ) -> Result<Vec<Shot>> {
+    let scene = &placed(scene)?;
     let n = heading(direction, scene.camera.axes[2])?;
     let rapidity = velocity(option, beta, n)?.rapidity();
     let last = f64::from(steps.saturating_sub(1).max(1));
@@ -195,7 +198,16 @@ pub fn speeds(
     (0..steps).map(step).collect()
 }
 
-/// The camera of `scene` when its clock shows its time, as if at rest, with this displacement.
+/// The scene with a camera that rests where, and when, its own one takes its picture.
+fn placed(scene: &Scene) -> Result<Scene> {
+    let shot = Shot {
+        event: camera::Shot::new(&scene.camera)?.event,
+        velocity: Velocity::REST,
+    };
+    Ok(shot.seen(scene))
+}
+
+/// The resting camera of `scene` at this displacement from its shot.
 fn shot(scene: &Scene, ct: f64, x: DVec3, velocity: Velocity) -> Shot {
     let origin = scene.camera.origin;
     Shot {

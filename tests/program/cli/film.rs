@@ -490,3 +490,38 @@ fn a_film_of_a_cube_shows_its_lit_part_and_not_all_of_its_bins() {
     let (_, _, middle) = &pictures[1];
     assert!(middle.iter().any(|code| *code > 50), "{middle:?}");
 }
+
+#[test]
+fn a_film_begins_where_the_scenes_own_camera_takes_its_picture() {
+    let folder = Folder::empty();
+    let scene = |camera: &str| {
+        format!(
+            "[camera]\nlook_at = [0, 0, 0]\nhfov = \"50 deg\"\nsize = [24, 18]\n{camera}\n[display]\nwhite = 1\nsamples_per_pixel = 1\n\
+             [[object]]\nshape = {{ box = {{ size = [1, 1, 1] }} }}\n"
+        )
+    };
+    // 0.6 c for 4 m of its own time, which are 5 m of the world's: to (3, 0, 5).
+    let moving =
+        "eye = [0, 0, 5]\nforward = [-3, 0, -5]\ntime = \"4 m\"\nvelocity = { beta = [0.6, 0, 0] }";
+    let moving = scene(moving).replace("look_at = [0, 0, 0]\n", "");
+    let resting = "eye = [3, 0, 5]\nforward = [-3, 0, -5]\nclock_zero = \"5 m\"";
+    let resting = scene(resting).replace("look_at = [0, 0, 0]\n", "");
+    folder.write("moving.toml", moving);
+    folder.write("resting.toml", resting);
+    let films = ["moving", "resting"].map(|name| {
+        let film = format!("{name}.apng");
+        let toml = format!("{name}.toml");
+        folder.ok(&[
+            "film",
+            &toml,
+            "--speeds",
+            "0.8",
+            "--pictures",
+            "3",
+            "-o",
+            &film,
+        ]);
+        apng(&folder.read(&film))
+    });
+    assert!(films[0] == films[1]);
+}

@@ -332,7 +332,7 @@ fn looked_at(text: &str) -> Option<DVec3> {
 /// The scene's own camera while light passes by.
 fn light(arguments: &FilmArguments, scene: &Scene) -> Result<Take> {
     if let Some(beside) = arguments.beside {
-        let what = "there is nothing to compare with: --light does not move the camera";
+        let what = "with --light the camera is the scene's own, and there is no other motion to compare it with";
         return Err(refused(
             format!("--beside {}", beside.word()),
             what,
@@ -412,6 +412,7 @@ fn film(
     let folder = Folder::of(&arguments.output)?;
     let request = arguments.changes.request(arguments.work.threads.count);
     // Pictures of all takes are first written to the folder; existing ones are not rendered again.
+    let mut fingerprints = Vec::new();
     for take in takes {
         let outputs = Outputs {
             images: vec![folder.pattern(take.name)],
@@ -424,12 +425,12 @@ fn film(
                 .exposure
                 .is_same(arguments.motion.speeds.is_none()),
             quiet: arguments.work.quiet.on,
-    let mut fingerprints = Vec::new();
             file,
             scene,
             frames: &take.frames,
             request: &request,
             outputs: &outputs,
+            can_resume: folder.stays(),
         };
         fingerprints.push(frames::run(&job, None)?);
     }
@@ -443,7 +444,6 @@ fn film(
                 label: label(arguments, scene, take, k),
                 new_row: false,
             });
-            can_resume: folder.stays(),
         }
         if let Some(picture) = diagrams.get(k as usize) {
             let label = "its space-time diagram".into();

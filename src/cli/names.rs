@@ -3,7 +3,10 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use nullray::Result;
+
 use super::builtin;
+use super::failure::refused;
 
 /// The placeholder for a number in a pattern.
 const PLACE: char = '#';
@@ -28,6 +31,19 @@ fn run(path: &Path) -> Option<(String, [usize; 2])> {
     let length = name[start..].chars().take_while(|c| *c == PLACE).count();
     let end = start + length;
     (!name[end..].contains(PLACE)).then(|| (name.to_string(), [start, end]))
+}
+
+/// Refuses the name `path`, given by `option`, if it has several runs of #.
+pub fn check_places(option: &str, path: &Path) -> Result<()> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    match name.contains(PLACE) && run(path).is_none() {
+        true => Err(refused(
+            format!("{option} {}", path.display()),
+            "the name has several places for the number of a frame",
+            "leave one run of #",
+        )),
+        false => Ok(()),
+    }
 }
 
 /// "name-suffix.png" for "name.png".

@@ -36,6 +36,10 @@ pub fn run(arguments: &PageArguments) -> Result<()> {
     let scene = file.scene(&overrides)?;
     let directory = &arguments.output;
     let option = format!("-o {}", directory.display());
+    if reel::is_pipe(directory) {
+        let what = "a page is a directory, which cannot go to standard output";
+        return Err(refused(option, what, "give the name of a directory"));
+    }
     refuse_dangling(&option, directory)?;
     let is_new = !directory.exists();
     std::fs::create_dir_all(directory)
@@ -91,11 +95,11 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
         frames: &frames,
         request: &arguments.changes.request(arguments.work.threads.count),
         outputs: &outputs,
+        can_resume: true,
     };
     let fingerprints = frames::run(&job, None)?;
     let files = frames.numbers.clone().map(|k| numbered(&pattern, k));
     // Base 64 uses four characters for three bytes. Files that are too large are not read.
-        can_resume: true,
     let bytes = files
         .clone()
         .map(|path| std::fs::metadata(path).map_or(0, |file| file.len()));

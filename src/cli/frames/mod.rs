@@ -6,6 +6,7 @@ mod range;
 use std::path::Path;
 use std::time::Instant;
 
+use nullray::error::number;
 use nullray::render::film::Film;
 use nullray::render::plan;
 use nullray::render::plan::{Plan, Request};
@@ -17,7 +18,8 @@ use nullray::{Error, Result};
 
 use super::args::Changes;
 use super::check::check_all;
-use super::names::numbered;
+use super::failure::refused;
+use super::names::{check_places, numbered};
 use super::output::{Identity, Inputs, Kind, Outputs, Stamp, five_digits};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
@@ -40,10 +42,10 @@ pub struct Job<'a> {
     pub request: &'a Request,
     /// The file names, still to be numbered.
     pub outputs: &'a Outputs,
-}
-
     /// Whether the files stay if the work is stopped.
     pub can_resume: bool,
+}
+
 /// Renders the frames of a scene, and returns the fingerprints of their display pictures, in order.
 pub fn run(job: &Job, account: Option<&mut Account>) -> Result<Vec<String>> {
     let Job {
@@ -62,6 +64,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<Vec<String>> {
     let plan = outputs.method.plan(scene, request)?;
     overlay::check(outputs, scene)?;
     let read = inputs::of(scene, &plan);
+    (outputs.paths()).try_for_each(|(option, path)| check_places(option, path))?;
     let all = frames.numbers.clone();
     check_all(
         all.map(|k| outputs.renamed(|path| numbered(path, k))),
@@ -82,10 +85,13 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<Vec<String>> {
         account,
         white: None,
         unwritten: None,
+        fingerprints: Vec::new(),
     };
     // A sequence that extends beyond the camera's motion is not started.
     if let Some(last) = frames.numbers.clone().last() {
-        fingerprints: Vec::new(),
+        for number in [frames.numbers.start, last] {
+            sequence.check_time(number)?;
+        }
         sequence.scene_at(last)?;
     }
     if job.same_exposure && is_shown(outputs) {
@@ -123,14 +129,14 @@ struct Sequence<'a> {
     white: Option<f64>,
     /// The last frame, which is written while the next one is rendered: most formats keep one thread busy.
     unwritten: Option<Unwritten>,
+    /// Those of the display pictures of the frames so far.
+    fingerprints: Vec<String>,
 }
 
 /// A rendered frame that is not yet written.
 struct Unwritten {
     scene: Scene,
     outputs: Outputs,
-    /// Those of the display pictures of the frames so far.
-    fingerprints: Vec<String>,
     film: Film,
     times: Option<Film>,
 }
@@ -224,6 +230,33 @@ impl Sequence<'_> {
     fn is_long(&self) -> bool {
         let numbers = &self.job.frames.numbers;
         numbers.end - numbers.start > NAMED_ONE_BY_ONE
+    }
+
+    /// Refuses a frame outside of the camera's motion.
+    fn check_time(&self, frame: u64) -> Result<()> {
+        let camera = &self.job.scene.camera;
+        let (Some(from), Ok(line)) = (self.job.frames.time(frame), camera.world_line()) else {
+            return Ok(());
+        };
+        let to = from + camera.shutter.map_or(0.0, |shutter| shutter.duration);
+        let [first, last] = line.span();
+        if first <= from && to <= last {
+            return Ok(());
+        }
+        let exposed = match to > from {
+            true => format!("from {} m to {} m", number(from), number(to)),
+            false => format!("at {} m", number(from)),
+        };
+        let what = format!(
+            "frame {frame} is taken {exposed} of the camera's clock, but its motion lasts from {} m to {} m",
+            number(first),
+            number(last)
+        );
+        Err(refused(
+            "--frames, --from",
+            what,
+            "ask for frames within the motion, or lengthen it",
+        ))
     }
 
     /// The scene at the time of a frame.

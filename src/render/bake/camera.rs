@@ -246,7 +246,9 @@ pub(super) fn check_plain(scene: &Scene) -> Result<()> {
         return refuse("it moves relative to the objects");
     }
     if camera.projection != ProjectionKind::Perspective {
-        return refuse("a capture camera has a flat film, and this one has another projection");
+        return refuse(
+            "pictures are baked through a perspective camera only, and this one has another projection",
+        );
     }
     if camera.shutter.is_some()
         || camera.sensor.is_some()

@@ -764,7 +764,7 @@ fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
         (
             FLASH.replace("hfov", "projection = \"fisheye_equidistant\"\nhfov") + LIGHT,
             &["--camera"],
-            "flat film",
+            "through a perspective camera only",
         ),
         (
             ball(""),

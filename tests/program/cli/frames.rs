@@ -340,3 +340,37 @@ fn names_that_meet_are_refused_before_any_work() {
     fs::create_dir(folder.path("a-0070.png")).unwrap();
     refused(&folder, &with(&["a.png"]), &["a-0070.png", "not a file"]);
 }
+
+#[test]
+fn a_name_with_two_places_for_the_number_is_refused() {
+    let folder = folder();
+    let options = [&FOUR[..], &["-o", "e-##-##.png"]].concat();
+    refused(
+        &folder,
+        &sequence(&options),
+        &["-o e-##-##.png", "several places", "one run of #"],
+    );
+}
+
+#[test]
+fn frames_beyond_the_motion_are_refused_by_their_number() {
+    let folder = folder();
+    folder.write(
+        "path.toml",
+        "[camera]\nlook_at = [0, 0, 0]\nsize = [6, 4]\n[camera.motion]\nkeyframes = [{ time = \"0 m\", position = [0, 0, 5] }, \
+         { time = \"5 m\", position = [3, 0, 5] }]\n[[object]]\nshape = { sphere = { radius = 1 } }\n",
+    );
+    // 0.6 c: 5 m of the world's time are 4 m of the camera's.
+    let frames = [
+        "render",
+        "path.toml",
+        "--frames",
+        "0..8",
+        "--interval",
+        "1 m",
+        "-o",
+        "a-#.png",
+    ];
+    let parts = ["--frames", "frame 7 is taken at 7 m", "lasts from 0 m to"];
+    refused(&folder, &frames, &parts);
+}

@@ -157,3 +157,10 @@ fn a_page_lives_in_a_browser() {
         Path::new(browser).display()
     );
 }
+
+#[test]
+fn a_page_does_not_go_to_standard_output() {
+    let folder = Folder::new();
+    let arguments = ["page", "scene.toml", "--beta", "0.5", "-o", "-"];
+    refused(&folder, &arguments, &["-o -", "a page is a directory"]);
+}

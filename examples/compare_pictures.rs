@@ -33,7 +33,7 @@ fn picture(samples: u32) -> nullray::Result<Picture> {
     let plan = Plan::new(&scene, &request)?;
     let film = render(&Prepared::new(&scene, &plan, &Silent)?, &Silent)?;
     let [width, height] = film.size();
-    let (channels, words) = (film.channels(&request.aovs), metadata(&scene, &film));
+    let (channels, words) = (film.channels(&request.aovs), metadata(&scene, &film)?);
     let layers = Layers::new(width, height, channels, words)?;
     Ok(Picture::linear(format!("{samples} samples"), layers))
 }

@@ -53,7 +53,7 @@ fn main() -> nullray::Result<()> {
     let film = render(&Prepared::new(&scene, &plan, &Silent)?, &Silent)?;
     let shown = tonemap::tonemap(film.radiance(), scene.exposure)?;
     let [width, height] = film.size();
-    png::write(&path, width, height, &shown.rgb, &metadata(&scene, &film))?;
+    png::write(&path, width, height, &shown.rgb, &metadata(&scene, &film)?)?;
     println!("wrote {}", path.display());
     Ok(())
 }

@@ -29,7 +29,7 @@ fn write(path: &Path) -> nullray::Result<()> {
     let plan = Plan::new(&scene, &request)?;
     let film = render(&Prepared::new(&scene, &plan, &Silent)?, &Silent)?;
     let [width, height] = film.size();
-    let (channels, words) = (film.channels(&request.aovs), metadata(&scene, &film));
+    let (channels, words) = (film.channels(&request.aovs), metadata(&scene, &film)?);
     exr::write(path, &Layers::new(width, height, channels, words)?)
 }
 

@@ -373,7 +373,7 @@ fn pictures_of(scene: &Scene, hash: u64) -> nullray::Result<()> {
         }
     }
     let shown = tonemap(film.radiance(), scene.exposure);
-    let words = metadata(scene, &film);
+    let words = metadata(scene, &film)?;
     drop(Layers::new(
         width,
         height,

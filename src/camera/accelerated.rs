@@ -89,6 +89,19 @@ impl Accelerated {
         camera
     }
 
+    /// The projection of the film in the camera's own frame at `shot`; `None` for Bell's ships in motion ([`super::Camera::film`]).
+    pub(super) fn film_at_shot(&self, shot: &Shot) -> Option<AnyProjection> {
+        let Some(sensor) = self.sensor else {
+            return Some(self.film.clone());
+        };
+        let velocity = shot.frame.velocity();
+        if sensor.assembly == Assembly::Bell {
+            return velocity.is_rest().then(|| self.film.clone());
+        }
+        let own = sensor.own_focal_length(self.film.forward(), velocity);
+        Some(self.film.stretched(own / sensor.focal_length))
+    }
+
     /// Whether the light that reaches every element passed the pinhole on its world line, during the whole exposure.
     pub(super) fn sees_everywhere(&self) -> bool {
         // The light of the corners takes longest; check the first and the last moment of the exposure.

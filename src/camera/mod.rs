@@ -32,6 +32,7 @@ mod accelerated;
 mod any_projection;
 mod any_view;
 mod curved;
+mod field;
 mod inertial;
 mod origin;
 mod paper;

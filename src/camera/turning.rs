@@ -110,6 +110,12 @@ impl Turning {
         }
     }
 
+    /// The projection of the film in the camera's own frame at the shot.
+    pub(super) fn film_at_shot(&self) -> AnyProjection {
+        self.film
+            .turned(rotation_matrix(self.axis, self.rate * self.time))
+    }
+
     /// The position of the element of film vector `film` on the rotated sensor, and its velocity.
     #[inline(always)]
     fn place(&self, film: DVec3, turn: &DMat3) -> (DVec3, DVec3) {

@@ -9,6 +9,7 @@ use std::time::SystemTime;
 
 use nullray::Result;
 use nullray::approximate::raster::Method;
+use nullray::camera::Camera;
 use nullray::figures::contact_sheet::{self, Layout, Panel, SheetOptions};
 use nullray::figures::drawing::{Drawing, pdf, png, svg, tikz};
 use nullray::figures::isochrones;
@@ -254,7 +255,7 @@ impl Outputs {
     }
 
     fn write_one(&self, path: &Path, kind: Kind, scene: &Scene, film: &Film) -> Result<String> {
-        let mut metadata = metadata(scene, film);
+        let mut metadata = metadata(scene, film)?;
         metadata.push(("method".into(), self.method.to_string()));
         if let Some(identity) = &self.identity {
             metadata.push((Identity::KEY.into(), identity.fingerprint(kind)));
@@ -318,11 +319,12 @@ impl Outputs {
         metadata: Vec<(String, String)>,
     ) -> Result<String> {
         let layers = self.layers(film, metadata)?;
+        let camera = Camera::new(scene)?;
         let options = image::exr::Options {
             half: self.half,
             sealed: self.is_sealed(),
-            matrices: scene.camera.matrices(),
-            window_width: scene.camera.window_width(),
+            matrices: camera.matrices(),
+            window_width: camera.window_width(),
         };
         image::exr::write_with(path, &layers, &options)?;
         Ok(channel_count(&layers))

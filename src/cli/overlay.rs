@@ -36,7 +36,7 @@ pub fn write(
     let image = picture(scene, film, Show::Picture, None)?.image;
     let mut page = overlay.drawing(&scene.name, image)?;
     let scale = overlay::png_scale(film.size());
-    page.origin = metadata(scene, film);
+    page.origin = metadata(scene, film)?;
     if let Some(identity) = &outputs.identity {
         page.origin
             .push((Identity::KEY.into(), identity.of_overlay(outputs.parts)));

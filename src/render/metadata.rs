@@ -4,8 +4,9 @@ use std::io::{self, Read};
 
 use sha2::{Digest, Sha256};
 
+use crate::camera::{Camera, Projection as _};
 use crate::colour::{Continuation, INFRARED, ULTRAVIOLET};
-use crate::error::number;
+use crate::error::{Result, number};
 use crate::io::sealed::hexadecimal;
 use crate::render::bake::{Baked, Bins};
 use crate::render::film::Film;
@@ -13,7 +14,7 @@ use crate::scene::model::{
     Assembly, CameraModel, CubeBacks, Elements, Equations, Integration, Motion, Pivot,
     ProjectionKind, Records, Scene, Spectra,
 };
-use crate::spacetime::Quantity;
+use crate::spacetime::{Event, Quantity, World};
 
 /// For a file generated from a text alone: program, name of the text, hash, and the text.
 pub fn of_text(name: &str, text: &str) -> Vec<(String, String)> {
@@ -31,10 +32,14 @@ fn software() -> String {
 }
 
 /// Key and value pairs: program, scene, hash, camera, units.
-pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
+///
+/// # Errors
+/// A camera that cannot take a picture ([`Camera::new`]).
+pub fn metadata(scene: &Scene, film: &Film) -> Result<Vec<(String, String)>> {
     let camera = &scene.camera;
-    let event = camera.origin;
-    let [right, up, forward] = camera.axes;
+    let taken = Camera::new(scene)?;
+    let shot = &taken.shot;
+    let [right, up, forward] = shot.projection.axes();
     let pairs = [
         ("units", "metres; times are c·t in metres; c = 1".into()),
         ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
@@ -46,18 +51,20 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         ("pixel_centers", film.is_centred().to_string()),
         ("precision", film.precision().name().into()),
         ("radiance_quantity", scene.quantity.to_string()),
-        (
-            "camera_clock_zero_event",
-            format!("{} {} {} {}", event.ct, event.x.x, event.x.y, event.x.z),
-        ),
+        ("camera_clock_zero_event", event(camera.origin)),
         ("camera_rapidity", vector(camera.velocity.rapidity())),
         ("camera_time", camera.time.to_string()),
+        ("camera_shot_event", event(shot.event)),
+        (
+            "camera_shot_rapidity",
+            vector(shot.frame.velocity().rapidity()),
+        ),
         ("camera_right", vector(right)),
         ("camera_up", vector(up)),
         ("camera_forward", vector(forward)),
         (
             "camera_horizontal_fov_rad",
-            camera.horizontal_fov.to_string(),
+            taken.horizontal_fov(camera).to_string(),
         ),
     ];
     // Keys of absent values are omitted.
@@ -109,10 +116,8 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .chain(moving(camera))
         .chain(sensor(camera));
     let own = own.map(|(key, value)| (key.into(), value));
-    of_text(&scene.name, &scene.text)
-        .into_iter()
-        .chain(own)
-        .collect()
+    let all = of_text(&scene.name, &scene.text).into_iter().chain(own);
+    Ok(all.collect())
 }
 
 /// For baked light: program, scene, hash, units, bins.
@@ -295,6 +300,10 @@ pub fn records(records: Records) -> &'static str {
         Records::Mean => "mean",
         Records::Energy => "energy",
     }
+}
+
+fn event(event: Event<World>) -> String {
+    format!("{} {}", event.ct, vector(event.x))
 }
 
 fn vector(v: glam::DVec3) -> String {

@@ -2,9 +2,7 @@
 
 use glam::DVec3;
 
-use super::model::{
-    Assembly, CameraModel, Motion, Object, ProjectionKind, Scene, Sensor, Sky, SkyRadiance,
-};
+use super::model::{Assembly, CameraModel, Motion, Object, Scene, Sensor, Sky, SkyRadiance};
 use super::text::Text;
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
 use crate::spacetime::{CameraFrame, Event, InertialFrame, Quantity, Rest, Velocity, World};
@@ -36,13 +34,6 @@ impl CameraModel {
             camera.axes = turning.axes.map(|axis| turn * axis);
         }
         camera
-    }
-
-    /// The world event of the shot of a camera without acceleration: the pinhole when its clock shows [`CameraModel::time`]. For any
-    /// camera, use [`CameraModel::world_line`].
-    pub fn shot(&self) -> Event<World> {
-        let pinhole = Event::new(self.time, DVec3::ZERO);
-        self.frame().event_to_world(pinhole)
     }
 
     /// Half the width and half the height of the sensor, metres; `None` for a point camera.
@@ -148,64 +139,6 @@ impl Sensor {
         let (n, w) = velocity.split();
         let across = libm::sinh(w) * forward.cross(n).length();
         self.focal_length * velocity.gamma() / libm::hypot(1.0, across)
-    }
-}
-
-impl CameraModel {
-    /// The matrices of OpenEXR's `worldToCamera` and `worldToNDC` at the event of the shot, row by row, for points as
-    /// rows (p M).
-    ///
-    /// Camera coordinates are right, up and forward (left-handed), metres. Normalised device coordinates are 0 to 1 from the
-    /// left to the right and from the top to the bottom, after division by the fourth: the depth. They are those of a
-    /// camera that rests where the pinhole is; aberration is in no matrix. The third is depth − 1 cm over depth: 0 at
-    /// 1 cm, 1 far away. Only a single perspective picture has the second. The first of a stereo pair belongs to the point
-    /// between its eyes, which are half their distance to the left and to the right of it. Source: ImfStandardAttributes.h of
-    /// OpenEXR 3.
-    pub fn matrices(&self) -> [Option<[f32; 16]>; 2] {
-        let [camera, ndc] = self.matrices_of_perspective();
-        [Some(camera), self.is_flat().then_some(ndc)]
-    }
-
-    /// OpenEXR's `screenWindowWidth`: the width of the window at the distance 1 through which a single perspective picture looks, 2 tan
-    /// (hfov/2); `None` for others. Source: ImfStandardAttributes.h and TechnicalIntroduction of OpenEXR 3.
-    pub fn window_width(&self) -> Option<f32> {
-        let width = 2.0 * libm::tan(0.5 * self.horizontal_fov);
-        self.is_flat().then_some(width as f32)
-    }
-
-    fn is_flat(&self) -> bool {
-        self.stereo.is_none() && self.projection == ProjectionKind::Perspective
-    }
-
-    fn matrices_of_perspective(&self) -> [[f32; 16]; 2] {
-        let eye = self.shot().x;
-        let [right, up, forward] = self.axes;
-        let [width, height] = self.size.map(f64::from);
-        let x = 1.0 / libm::tan(0.5 * self.horizontal_fov);
-        let y = x * width / height;
-        // Columns of M are what is calculated of (p, 1).
-        let camera = [
-            (right, -right.dot(eye)),
-            (up, -up.dot(eye)),
-            (forward, -forward.dot(eye)),
-            (DVec3::ZERO, 1.0),
-        ];
-        // ½ (1 + x right/depth) and ½ (1 − y up/depth).
-        let across = forward + right * x;
-        let down = forward - up * y;
-        let depth = -forward.dot(eye);
-        let ndc = [
-            (across * 0.5, -0.5 * across.dot(eye)),
-            (down * 0.5, -0.5 * down.dot(eye)),
-            (forward, depth - 0.01),
-            (forward, depth),
-        ];
-        [camera, ndc].map(|columns| {
-            std::array::from_fn(|k| {
-                let (row, (axis, constant)) = (k / 4, columns[k % 4]);
-                [axis.x, axis.y, axis.z, constant][row] as f32
-            })
-        })
     }
 }
 

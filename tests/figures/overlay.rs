@@ -384,3 +384,47 @@ fn a_page_holds_the_picture_and_is_the_same_every_time() {
     let message = overlay.drawing("", small).unwrap_err().to_string();
     assert!(message.contains("640 × 96"), "{message}");
 }
+
+/// The pixel that the camera moves towards, and half the width of the legend's scale: a camera that looks along −z with 90° over
+/// 200 × 100 pixels, with this sensor.
+fn of_sensor(more: &str, assembly: &str) -> ([f64; 2], f64) {
+    let text = format!(
+        "camera = {{ eye = [0, 0, 0], forward = [0, 0, -1], size = [200, 100], velocity = {{ beta = [0.36, 0, -0.48] }}, {more} \
+         sensor = {{ focal_length = \"1 mm\", width = \"2 mm\", assembly = \"{assembly}\" }} }}\n\
+         object = [{{ shape = {{ sphere = {{ radius = 0.1 }} }}, transform = {{ translate = [0, 0, -5] }} }}]"
+    );
+    let parts = Parts::parse("beta,legend").unwrap();
+    let overlay = Overlay::trace(&scene(&text), None, None, parts, None).unwrap();
+    match overlay.pointer.unwrap().target {
+        Target::Ahead(at) => (at, overlay.legend.unwrap().half_width),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_velocity_and_the_scale_are_those_of_the_sensor_in_motion() {
+    // β = 0.6 at an angle of cos α = 0.8 to the forward axis: tan α = 0.75, 75 pixels from the middle at the focal length of the scene.
+    let accelerated =
+        "motion = { acceleration = { proper = \"1e-3 /m\", direction = [0, 1, 0] } },";
+    // 1/√(1 − β² cos² α): the focal length that the camera measures.
+    let stretch = 1.0 / (1.0_f64 - 0.48 * 0.48).sqrt();
+    // S takes forward to (0.12, 0, −1.16) and right to (1.09, 0, −0.12), as γ = 1.25: |S right × S forward| / |S forward|².
+    let [forward, right] = [[0.12_f64, 1.16], [1.09_f64, 0.12]];
+    let sheared =
+        (right[0] * forward[1] - right[1] * forward[0]) / (forward[0].powi(2) + forward[1].powi(2));
+    for more in ["", accelerated] {
+        for (assembly, x, t) in [
+            ("rigid", 175.0, 1.0),
+            ("world_length", 100.0 + 75.0 * stretch, 1.0 / stretch),
+            ("bell", 175.0, sheared),
+        ] {
+            let (at, half_width) = of_sensor(more, assembly);
+            let apart = (at[0] - x).hypot(at[1] - 50.0);
+            assert!(apart < 1e-9, "{more} {assembly}: {at:?}, not {x}");
+            assert!(
+                (half_width - t).abs() < 1e-12,
+                "{more} {assembly}: {half_width}, not {t}"
+            );
+        }
+    }
+}

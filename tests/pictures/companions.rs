@@ -394,7 +394,7 @@ fn metadata_and_the_plan_say_what_is_beyond() {
     let keys = format!("file = \"five.npy\"\naxes = \"H W 1 C\"\n{}", names());
     let scene = stage::scene_in(folder.path(), &wall(&keys, -0.5));
     let film = stage::film(&scene);
-    let said = metadata(&scene, &film);
+    let said = metadata(&scene, &film).unwrap();
     let entry = |key: &str| said.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str());
     assert_eq!(entry("radiance_continuation"), Some("companions"));
     let metres = |key: &str| -> Vec<f64> {
@@ -438,7 +438,7 @@ fn metadata_and_the_plan_say_what_is_beyond() {
     );
     // Existing pictures say what they said.
     let plain = stage::scene_in(folder.path(), &wall("file = \"five.exr\"", -0.5));
-    let said = metadata(&plain, &stage::film(&plain));
+    let said = metadata(&plain, &stage::film(&plain)).unwrap();
     assert!(
         said.iter()
             .any(|(k, v)| k == "radiance_continuation" && v == "blackbody")

@@ -144,7 +144,7 @@ fn triangle() -> Mesh {
 fn the_text_of_a_scene_tells_arrays_apart() {
     let scene = |mesh: Mesh| camera("same").mesh("a", Arc::new(mesh)).build().unwrap();
     let hash = |scene: &Scene| {
-        let pairs = metadata(scene, &stage::film(scene));
+        let pairs = metadata(scene, &stage::film(scene)).unwrap();
         pairs
             .into_iter()
             .find(|(key, _)| key == "scene_sha256")

@@ -1,6 +1,7 @@
 //! The camera of a scene file.
 
 use glam::DVec3;
+use nullray::camera::Camera;
 use nullray::render::metadata;
 use nullray::render::plan::motion;
 use nullray::scene::model::{
@@ -22,7 +23,7 @@ pub fn rows(info: &mut Info, scene: &Scene) {
         format!(
             "{width} × {height} pixels, {} samples each, {:.2}° wide{}",
             scene.samples_per_pixel,
-            camera.horizontal_fov.to_degrees(),
+            horizontal_fov(scene).to_degrees(),
             projection(camera)
         ),
     );
@@ -53,6 +54,12 @@ pub fn rows(info: &mut Info, scene: &Scene) {
         .chain([interval])
         .flatten()
         .for_each(|text| info.row("", text));
+}
+
+/// The horizontal field of view in the camera's own frame at the shot; as in the scene if no picture can be taken then.
+fn horizontal_fov(scene: &Scene) -> f64 {
+    let model = &scene.camera;
+    Camera::new(scene).map_or(model.horizontal_fov, |camera| camera.horizontal_fov(model))
 }
 
 /// The text for a camera that is not a single pinhole in front of a plane.
@@ -192,12 +199,13 @@ pub fn velocity(velocity: Velocity) -> Value {
 }
 
 /// The camera as data: times in metres, in its own time unless the name says otherwise.
-pub fn data(camera: &CameraModel) -> Value {
+pub fn data(scene: &Scene) -> Value {
+    let camera = &scene.camera;
     json!({
         "size": camera.size,
         "projection": camera.projection.name(),
         "interpupillary_distance": camera.stereo.map(|stereo| stereo.interpupillary_distance),
-        "horizontal_fov_rad": camera.horizontal_fov,
+        "horizontal_fov_rad": horizontal_fov(scene),
         "velocity": velocity(camera.velocity),
         "eye": camera.origin.x.to_array(),
         "clock_zero": camera.origin.ct,

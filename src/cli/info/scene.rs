@@ -333,7 +333,7 @@ fn data(info: &mut Info, scene: &Scene, memory: u64) {
         json!({ "name": s.name, "file": file, "lights": lit(scene, s), "cube": cube })
     });
     info.data("model", metadata::equations(scene.equations));
-    info.data("camera", camera::data(&scene.camera));
+    info.data("camera", camera::data(scene));
     info.data("samples_per_pixel", scene.samples_per_pixel);
     info.data("bounces", scene.bounces);
     info.data("objects", objects.collect::<Vec<_>>());

@@ -34,7 +34,7 @@ pub use parts::{Part, Parts};
 pub use pointer::{Pointer, Target};
 pub use times::{Isochrone, Isochrones};
 
-use crate::camera::{AnyProjection, Projection as _, Shot};
+use crate::camera::{AnyProjection, Camera, Projection as _};
 use crate::error::{Error, Result};
 use crate::render::aov::Aov;
 use crate::scene::model::Scene;
@@ -73,7 +73,7 @@ pub struct Facts {
     pub speed_of_light: f64,
     /// The camera's proper time of the shot, metres.
     pub camera_time: f64,
-    /// The tangent of half the horizontal field of view, camera frame.
+    /// The tangent of half the horizontal field of view at the shot, camera frame.
     pub half_width: f64,
     /// The projection, if it bends straight lines.
     pub curved: Option<AnyProjection>,
@@ -112,9 +112,10 @@ impl Overlay {
         step: Option<f64>,
     ) -> Result<Overlay> {
         Overlay::check(scene)?;
-        let shot = Shot::new(&scene.camera)?;
+        let camera = Camera::new(scene)?;
         let size = scene.camera.size;
-        let (projection, half_width) = pointer::projection(&scene.camera, &shot);
+        // The film of Bell's ships shows the direction of their motion where the projection of the scene does.
+        let projection = camera.film().unwrap_or(camera.shot.projection.clone());
         let times = apparent.and_then(|seen| seen.film.aov(Aov::EventCt));
         let times = times.filter(|_| parts.has(Part::Isochrones));
         let isochrones = times.map(|ct| Isochrones::trace(size, ct, step));
@@ -127,11 +128,11 @@ impl Overlay {
             let ids = seen.and_then(|seen| seen.film.aov(Aov::Object));
             ids.map_or(Vec::new(), |ids| ids.iter().map(|id| *id as i32).collect())
         };
-        let pointer = Pointer::of(&shot, &projection);
+        let pointer = Pointer::of(&camera.shot, &projection);
         let facts = Facts {
             speed_of_light: scene.speed_of_light,
             camera_time: scene.camera.time,
-            half_width,
+            half_width: camera.half_width(&scene.camera),
             curved: Some(projection).filter(|projection| projection.linear().is_none()),
         };
         Ok(Overlay {

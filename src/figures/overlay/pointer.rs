@@ -7,7 +7,6 @@
 use glam::DVec3;
 
 use crate::camera::{AnyProjection, Projection, Shot};
-use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::Velocity;
 
 /// The camera's velocity in its picture.
@@ -53,20 +52,5 @@ fn target(projection: &AnyProjection, n: DVec3) -> Target {
         (None, Some(at)) => Target::Behind(at),
         // Not both 0, as the middle is seen.
         (None, None) => Target::Outside([n.x / n.x.hypot(n.y), -n.y / n.x.hypot(n.y)]),
-    }
-}
-
-/// The projection of a camera at its shot, narrower for a focal length that motion stretches; and the
-/// tangent of half its field of view.
-pub(super) fn projection(model: &CameraModel, shot: &Shot) -> (AnyProjection, f64) {
-    let t = libm::tan(0.5 * model.horizontal_fov);
-    match model.sensor {
-        Some(sensor) if model.motion == Motion::Inertial => {
-            let velocity = shot.frame.velocity();
-            let own = sensor.own_focal_length(shot.projection.forward(), velocity);
-            let stretched = shot.projection.stretched(own / sensor.focal_length);
-            (stretched, t * sensor.focal_length / own)
-        }
-        _ => (shot.projection.clone(), t),
     }
 }

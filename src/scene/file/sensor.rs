@@ -24,8 +24,8 @@ pub(in crate::scene) struct Sensor {
     pub width: Option<At<Length>>,
     /// What fixes the distance of sensor and pinhole: "rigid" (the focal length is measured in the camera's frame; the camera accelerates
     /// as a rigid body), "world_length" (the focal length is measured in the world: along the motion the camera's own is γ times longer)
-    /// or "bell" (both accelerate alike, so that their distance in the world is constant; without acceleration the same as
-    /// "world_length"). Default: "rigid".
+    /// or "bell" (both accelerate alike, so that where each element is, relative to the pinhole, is constant in the world: the camera's own
+    /// sensor is γ times longer along the motion, in its width and height, too). Default: "rigid".
     #[serde(default)]
     pub assembly: At<Assembly>,
 }

@@ -161,8 +161,9 @@ pub enum Assembly {
     Rigid,
     /// The focal length is measured in the world: along the motion the camera's own is γ times longer.
     WorldLength,
-    /// Sensor and pinhole accelerate alike, like Bell's two spaceships: their distance in the world is constant. Without acceleration the
-    /// same as [`Assembly::WorldLength`].
+    /// Sensor and pinhole accelerate alike, like Bell's two spaceships: where each element is, relative to the pinhole, is constant in the
+    /// world. In the camera's own frame the whole sensor is stretched by γ along the motion; that of [`Assembly::WorldLength`] keeps its
+    /// width, and only its distance differs.
     Bell,
 }
 

@@ -112,12 +112,12 @@ pub struct CameraEntry {
     pub is_point: bool,
     /// Columns and rows.
     pub size: [u32; 2],
-    /// Horizontal field of view in the camera frame, radians.
+    /// Horizontal field of view in the camera frame at the shot, radians.
     pub horizontal_fov_rad: f64,
     /// The projection.
     pub projection: ProjectionKind,
     /// Tangents of half the field of view, across and down, in the camera frame at the shot; null for projections
-    /// other than "perspective".
+    /// other than "perspective", and for a "bell" sensor in motion, which is no perspective in the camera frame.
     pub tan_half_fov: Option<[f64; 2]>,
     /// Unit vector of the camera frame that points right in the picture.
     pub right: [f64; 3],
@@ -153,7 +153,7 @@ pub struct CameraEntry {
 pub struct SensorEntry {
     /// The distance from the sensor to the pinhole as `assembly` defines it, metres.
     pub focal_length: f64,
-    /// The same in the camera's own frame at the shot.
+    /// From the middle of the sensor to the pinhole in the camera's own frame at the shot.
     pub own_focal_length: f64,
     /// Width and height.
     pub size: [f64; 2],

@@ -49,19 +49,16 @@ pub(super) fn scene(
 pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
     let model = &scene.camera;
     let film = &camera.shot.projection;
-    let [width, height] = model.size.map(f64::from);
+    let [width, height] = film.size();
     let velocity = camera.shot.frame.velocity();
-    // A sensor given in the world is longer or shorter in its own frame; the projection's vectors include that.
-    let stretch = model.sensor.map_or(1.0, |sensor| {
-        sensor.own_focal_length(film.forward(), velocity) / sensor.focal_length
-    });
     // Right and up from film points for a perspective, from the axes for other projections.
     let from_middle = |x, y| film.vector(x, y) - film.vector(0.5 * width, 0.5 * height);
-    let (right, x) = unit(from_middle(width, 0.5 * height));
-    let (up, y) = unit(from_middle(0.5 * width, 0.0));
-    let plane = model.projection == ProjectionKind::Perspective;
-    let [right, up] = match plane {
-        true => [right, up],
+    let right_and_up = [
+        from_middle(width, 0.5 * height),
+        from_middle(0.5 * width, 0.0),
+    ];
+    let [right, up] = match model.projection == ProjectionKind::Perspective {
+        true => right_and_up.map(|v| v.normalize().to_array()),
         false => [0, 1].map(|axis| film.axes()[axis].to_array()),
     };
     let kind = camera.view.kind();
@@ -72,9 +69,9 @@ pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
             ViewKind::Still | ViewKind::Moving | ViewKind::Unaberrated
         ),
         size: model.size,
-        horizontal_fov_rad: model.horizontal_fov,
+        horizontal_fov_rad: camera.horizontal_fov(model),
         projection: model.projection,
-        tan_half_fov: plane.then_some([x / stretch, y / stretch]),
+        tan_half_fov: camera.tan_half_fov(),
         right,
         up,
         forward: film.forward().to_array(),
@@ -84,7 +81,7 @@ pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
         velocity: self::velocity(velocity),
         world_from_camera: matrix(camera.shot.frame.world_from_frame()),
         motion: metadata::motion(&model.motion),
-        sensor: model.sensor.map(|s| sensor(scene, s, stretch)),
+        sensor: model.sensor.map(|s| sensor(scene, s, camera)),
         rotation: model.rotation.map(|r| RotationEntry {
             axis: r.axis.to_array(),
             rate_rad_per_m: r.rate,
@@ -98,11 +95,11 @@ pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
     }
 }
 
-fn sensor(scene: &Scene, sensor: Sensor, stretch: f64) -> SensorEntry {
+fn sensor(scene: &Scene, sensor: Sensor, camera: &Camera) -> SensorEntry {
     let half = scene.camera.sensor_half_size().unwrap_or_default();
     SensorEntry {
         focal_length: sensor.focal_length,
-        own_focal_length: sensor.focal_length * stretch,
+        own_focal_length: camera.own_focal_length(&sensor),
         size: half.map(|x| 2.0 * x),
         assembly: sensor.assembly,
     }
@@ -255,9 +252,4 @@ pub(super) fn matrix<F: Frame>(boost: &Boost<World, F>) -> Matrix {
     };
     let columns: [FourVector; 4] = std::array::from_fn(unit);
     std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]))
-}
-
-fn unit(v: DVec3) -> ([f64; 3], f64) {
-    let length = v.length();
-    ((v / length).to_array(), length)
 }

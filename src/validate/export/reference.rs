@@ -48,7 +48,7 @@ pub(super) fn write(
     drop(prepared);
     let [width, height] = film.size();
     let channels = film.channels(&plan.film.channels);
-    let layers = Layers::new(width, height, channels, metadata(scene, &film))?;
+    let layers = Layers::new(width, height, channels, metadata(scene, &film)?)?;
     files.written(entry.npz, |path| npz::write(path, &layers))?;
     files.written(entry.exr, |path| exr::write(path, &layers))?;
     let display = tonemap(film.radiance(), scene.exposure)?;

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use nullray::camera::{Camera, Shot};
 use nullray::scene::model::{CameraModel, Mapping, Scene, SourceKind};
 use nullray::scene::{Overrides, parse};
 use nullray::spacetime::Event;
@@ -42,7 +43,7 @@ fn an_up_of_zero_is_not_called_parallel() {
 fn the_shot_is_on_the_cameras_world_line() {
     let scene = scene(MOVING);
     // γ = 5/4: after 4 m of proper time 5 m of world time and 0.6 · 5 m of path have passed.
-    let shot = scene.camera.shot();
+    let shot = Shot::new(&scene.camera).unwrap().event;
     assert!((shot.ct - 8.0).abs() < 1e-14);
     assert!((shot.x - DVec3::X * 4.0).length() < 1e-14);
 }
@@ -52,7 +53,7 @@ fn matrices_take_world_points_to_the_camera_and_to_its_picture() {
     let text = "[camera]\neye = [1, 2, 3]\nlook_at = [1, 2, -1]\nhfov = \"90 deg\"\nsize = [200, 100]\n\
                 [[object]]\nshape = { sphere = { radius = 1 } }\n";
     let scene = scene(text);
-    let [camera, ndc] = scene.camera.matrices().map(Option::unwrap);
+    let [camera, ndc] = Camera::new(&scene).unwrap().matrices().map(Option::unwrap);
     let times = |m: [f32; 16], p: [f32; 3]| -> [f32; 4] {
         let p = [p[0], p[1], p[2], 1.0];
         std::array::from_fn(|column| (0..4).map(|row| p[row] * m[4 * row + column]).sum())
@@ -72,12 +73,13 @@ fn matrices_take_world_points_to_the_camera_and_to_its_picture() {
         "[[object]]",
         "stereo = { interpupillary_distance = \"64 mm\" }\n[[object]]",
     );
-    assert_eq!(self::scene(&pair).camera.matrices(), [Some(camera), None]);
+    let camera_of = |text: &str| Camera::new(&self::scene(text)).unwrap();
+    assert_eq!(camera_of(&pair).matrices(), [Some(camera), None]);
     // At the distance 1 the window is 2 tan 45° wide; other projections have none.
-    assert!((scene.camera.window_width().unwrap() - 2.0).abs() < 1e-6);
+    assert!((camera_of(text).window_width().unwrap() - 2.0).abs() < 1e-6);
     let globe = text.replace("hfov", "projection = \"fisheye_equisolid\"\nhfov");
     for other in [&pair, &globe] {
-        assert_eq!(self::scene(other).camera.window_width(), None);
+        assert_eq!(camera_of(other).window_width(), None);
     }
 }
 
@@ -215,5 +217,84 @@ fn roughness_that_a_shape_of_glass_does_not_show_is_told() {
         "roughness = 0.5",
     ] {
         assert!(told(smooth).is_empty(), "{smooth}");
+    }
+}
+
+/// p M for a point p.
+fn times(m: [f32; 16], p: [f64; 3]) -> [f64; 4] {
+    let p = [p[0], p[1], p[2], 1.0];
+    std::array::from_fn(|k| (0..4).map(|row| p[row] * f64::from(m[4 * row + k])).sum())
+}
+
+const BALL: &str = "[[object]]\nshape = { sphere = { radius = 1 } }\n";
+
+#[test]
+fn the_matrices_of_a_camera_that_moves_or_turns_are_those_at_its_shot() {
+    let close = |m: [f32; 16], p: [f64; 3], expected: [f64; 3]| {
+        let got = times(m, p);
+        let apart = (0..3).map(|k| (got[k] - expected[k]).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-6, "{got:?} {expected:?}");
+    };
+    let matrix = |camera: &str| {
+        let text = format!("[camera]\nhfov = \"90 deg\"\nforward = [0, 0, -1]\n{camera}{BALL}");
+        Camera::new(&scene(&text)).unwrap().matrices()[0].unwrap()
+    };
+    // From rest at a = 1 /m along x, it has gone cosh 2 − 1 after 2 m of its time.
+    let rocket = "eye = [1, 2, 3]\ntime = \"2 m\"\n[camera.motion]\nacceleration = { proper = \"1 /m\", direction = [1, 0, 0] }\n";
+    close(matrix(rocket), [0.0, 0.0, 0.0], [-2_f64.cosh(), -2.0, 3.0]);
+    // From (0, 0, 5) through (3, 0, 5) at 0.6 c: after 4 m of its time, 5 m of the world's.
+    let path = "time = \"4 m\"\n[camera.motion]\nkeyframes = [{ time = \"1 m\", position = [0, 0, 5] }, { time = \"11 m\", position = [6, 0, 5] }]\n";
+    close(matrix(path), [0.0, 0.0, 0.0], [-3.0, 0.0, 5.0]);
+    // A quarter turn about y takes −z to −x, and x to −z.
+    let turning = "eye = [0, 0, 0]\ntime = \"2 m\"\n[camera.rotation]\naxis = [0, 1, 0]\nrate = \"45 deg/m\"\n";
+    close(matrix(turning), [-7.0, 2.0, -3.0], [3.0, 2.0, 7.0]);
+}
+
+#[test]
+fn the_field_of_view_is_that_of_the_sensor_in_the_cameras_own_frame() {
+    // tan(hfov/2) = 1 at the focal length of the scene; γ = 5/4.
+    let camera = |assembly: &str, beta: &str| {
+        let text = format!(
+            "[camera]\neye = [0, 0, 0]\nforward = [0, 0, -1]\nsize = [200, 100]\nvelocity = {{ beta = {beta} }}\n[camera.sensor]\n\
+             focal_length = \"1 m\"\nwidth = \"2 m\"\nassembly = \"{assembly}\"\n{BALL}"
+        );
+        let scene = scene(&text);
+        let camera = Camera::new(&scene).unwrap();
+        let fov = camera.horizontal_fov(&scene.camera);
+        (camera, (0.5 * fov).tan())
+    };
+    let [ahead, right] = ["[0, 0, -0.6]", "[0.6, 0, 0]"];
+    let (longer, half) = camera("world_length", ahead);
+    assert!((half - 0.8).abs() < 1e-12, "{half}");
+    let [x, y] = longer.tan_half_fov().unwrap();
+    assert!(
+        (x - 0.8).abs() < 1e-12 && (y - 0.4).abs() < 1e-12,
+        "{x} {y}"
+    );
+    assert!((longer.window_width().unwrap() - 1.6).abs() < 1e-6);
+    // 4 m ahead and 2 m to the right: 2/(4 · 0.8) of the way to the edge.
+    let [x, .., w] = times(longer.matrices()[1].unwrap(), [2.0, 0.0, -4.0]);
+    assert!((x / w - (0.5 + 0.5 * 2.0 / 3.2)).abs() < 1e-6, "{x} {w}");
+    // Across the motion it keeps its length.
+    assert!((camera("world_length", right).1 - 1.0).abs() < 1e-12);
+    assert!((camera("rigid", ahead).1 - 1.0).abs() < 1e-12);
+    // All of Bell's sensor is longer along the motion: its distance, or its width.
+    for (beta, expected) in [(ahead, 0.8), (right, 1.25)] {
+        let (bell, half) = camera("bell", beta);
+        assert!((half - expected).abs() < 1e-12, "{beta}: {half}");
+        assert_eq!(bell.tan_half_fov(), None);
+        assert!(bell.matrices()[1].is_none() && bell.window_width().is_none());
+    }
+    assert!(camera("bell", "[0, 0, 0]").0.tan_half_fov().is_some());
+}
+
+#[test]
+fn the_cameras_of_the_guide_are_accepted() {
+    let guide = std::fs::read_to_string(format!("{ROOT}/src/camera/guide.md")).unwrap();
+    let parts: Vec<_> = guide.split("```toml\n").skip(1).collect();
+    assert!(!parts.is_empty());
+    for part in parts {
+        let (camera, _) = part.split_once("```").unwrap();
+        scene(&format!("{camera}{BALL}"));
     }
 }

@@ -180,7 +180,7 @@ fn the_standard_error_is_that_of_eight_means_of_independent_parts_and_of_those_o
         assert!((told - own).abs() <= 1e-12 * own, "{told} {own}");
     }
     // 7/(a² + (2 a b + b²)/25), a = 7/11.
-    let metadata = nullray::render::metadata::metadata(&scene, &film);
+    let metadata = nullray::render::metadata::metadata(&scene, &film).unwrap();
     let said = ("standard_error_degrees_of_freedom".into(), "16.3".into());
     assert!(metadata.contains(&said), "{metadata:?}");
     let degrees = film.degrees_of_freedom().unwrap();
@@ -220,4 +220,49 @@ fn one_sample_has_no_standard_error() {
             .iter()
             .all(|e| e.is_nan())
     );
+}
+
+#[test]
+fn metadata_of_any_motion_give_the_wavelength_ratios_of_the_picture() {
+    let motions = [
+        "velocity = { beta = [0.3, -0.4, 0.5] }\neye = [0.3, 0.2, 5]\n[camera.motion]\n\
+         acceleration = { proper = \"0.4 /m\", direction = [1, 2, 3] }",
+        "velocity = { beta = [0.3, -0.4, 0.5] }\neye = [0.3, 0.2, 5]\n[camera.motion]\n\
+         segments = [{ duration = \"0.5 m\", acceleration = { proper = \"0.4 /m\", direction = [1, 0, 0] } }]",
+        "velocity = { beta = [0.3, -0.4, 0.5] }\neye = [0.3, 0.2, 5]\n[camera.motion]\n\
+         profile = [{ time = \"0 m\" }, { time = \"2 m\", acceleration = { proper = \"0.9 /m\", direction = [0, 1, 0] } }]",
+        "[camera.motion]\nkeyframes = [{ time = \"0 m\", position = [0, 0, 3] }, \
+         { time = \"1 m\", position = [0.5, 0, 3] }, { time = \"2 m\", position = [0.5, 0, 3.5] }]",
+        "eye = [0, 0, 5]\n[camera.motion]\ncircle = { centre = [0, 0, 4.5], axis = [0, 1, 0], rate = \"1.4 rad/m\" }",
+    ];
+    for motion in motions {
+        let scene = stage::scene(&format!(
+            "[camera]\nforward = [0, 0, -1]\nhfov = \"60 deg\"\nsize = [8, 6]\ntime = \"0.7 m\"\n{motion}\n\
+             [[object]]\nshape = {{ box = {{ size = [90, 90, 1] }} }}\n"
+        ));
+        let film = stage::film(&scene);
+        let said = nullray::render::metadata::metadata(&scene, &film).unwrap();
+        let numbers = |key: &str| -> Vec<f64> {
+            let (_, value) = said.iter().find(|(k, _)| k == key).unwrap();
+            value.split(' ').map(|word| word.parse().unwrap()).collect()
+        };
+        let [shot, rapidity] = ["camera_shot_event", "camera_shot_rapidity"].map(numbers);
+        let (eye, rapidity) = (DVec3::from_slice(&shot[1..]), DVec3::from_slice(&rapidity));
+        let (gamma, beta) = (
+            rapidity.length().cosh(),
+            rapidity.normalize() * rapidity.length().tanh(),
+        );
+        let met = stage::met(&film);
+        assert!(met.len() > 10, "{motion}");
+        for i in met {
+            let (ct, x) = stage::event(&film, i);
+            assert!(
+                ((x - eye).length() + ct - shot[0]).abs() < 1e-11,
+                "{motion}"
+            );
+            let w = 1.0 / (gamma * (1.0 + (x - eye).normalize().dot(beta)));
+            let got = stage::value(&film, Aov::WavelengthRatio, i);
+            assert!((got / w - 1.0).abs() < 1e-11, "{motion}: {got} {w}");
+        }
+    }
 }

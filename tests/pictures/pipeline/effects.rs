@@ -1,6 +1,7 @@
 //! Turning off a single effect changes that effect, and nothing else.
 
 use glam::DVec3;
+use nullray::camera::Shot;
 use nullray::colour::line_colour;
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
@@ -122,7 +123,7 @@ fn without_retardation_everything_is_seen_at_the_time_of_the_shot_and_contracted
     scene.effects.retardation = false;
     scene.camera.size = [200, 150];
     let film = stage::film(&scene);
-    let shot = scene.camera.shot();
+    let shot = Shot::new(&scene.camera).unwrap().event;
     let (gamma, beta) = (1.0 / 0.6, 0.8);
     let mut extent = [f64::INFINITY, f64::NEG_INFINITY];
     for i in counted(&film) {

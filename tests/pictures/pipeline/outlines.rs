@@ -5,6 +5,7 @@
 //! metric (−, +, +, +), hence in every frame: d·b = 1 with b = −n_x/n_t of n = Λ n′, again a cone.
 
 use glam::{DMat3, DVec3};
+use nullray::camera::Shot;
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::scene::model::Scene;
@@ -68,7 +69,10 @@ fn worst_angle(edge: &[DVec3], b: DVec3) -> f64 {
 /// The cone of the closed form.
 fn predicted(scene: &Scene, beta: DVec3) -> DVec3 {
     let w = lorentz::rapidity(beta);
-    let (camera, origin) = (scene.camera.shot(), scene.objects[0].origin);
+    let (camera, origin) = (
+        Shot::new(&scene.camera).unwrap().event,
+        scene.objects[0].origin,
+    );
     let seen_from = lorentz::four(camera.ct - origin.ct, camera.x - origin.x);
     let p = lorentz::space(lorentz::boost(-w) * seen_from);
     let cosine = (1.0 - 1.0 / p.length_squared()).sqrt();

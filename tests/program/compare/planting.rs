@@ -54,7 +54,12 @@ pub fn taken(scene: &Scene, pixel_centers: bool) -> Picture {
     let plan = Plan::new(scene, &request).unwrap();
     let film = render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap();
     let [width, height] = film.size();
-    let layers = Layers::new(width, height, film.channels(&aovs), metadata(scene, &film));
+    let layers = Layers::new(
+        width,
+        height,
+        film.channels(&aovs),
+        metadata(scene, &film).unwrap(),
+    );
     Picture::linear("picture", layers.unwrap())
 }
 

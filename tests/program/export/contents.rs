@@ -337,3 +337,24 @@ fn masks_and_colours_of_vertices_are_in_the_geometry_and_said() {
         (0.75, AlphaMode::Mask { cutoff: 0.625 })
     );
 }
+
+#[test]
+fn a_film_that_is_no_perspective_has_no_tangents() {
+    let tangents = |assembly: &str| {
+        let text = format!(
+            "camera = {{ eye = [0, 1, 4], forward = [0, 0, -1], size = [16, 12], velocity = {{ beta = [0, 0, -0.6] }}, \
+             sensor = {{ focal_length = \"1 cm\", width = \"2 cm\", assembly = \"{assembly}\" }} }}\n\
+             object = [{{ shape = {{ box = {{ size = [1, 2, 1] }} }} }}]"
+        );
+        exported(&text).bundle.json["camera"].clone()
+    };
+    let bell = tangents("bell");
+    assert!(bell["tan_half_fov"].is_null());
+    // Along the motion γ = 5/4.
+    for camera in [bell, tangents("world_length")] {
+        let own = camera["sensor"]["own_focal_length"].as_f64().unwrap();
+        assert!((own - 0.0125).abs() < 1e-15, "{own}");
+        let fov = camera["horizontal_fov_rad"].as_f64().unwrap();
+        assert!(((0.5 * fov).tan() - 0.8).abs() < 1e-12, "{fov}");
+    }
+}

@@ -111,6 +111,46 @@ fn limits_that_show_nothing_are_refused() {
 }
 
 #[test]
+fn limits_too_close_for_paper_are_not_said_to_be_the_wrong_way_round() {
+    check(
+        "x = [1e15, 1.0000000001e15]\n",
+        "diagram.x",
+        "too close to each other",
+        "differ by more",
+    );
+}
+
+#[test]
+fn an_arrow_without_a_direction_is_refused_at_its_key() {
+    check(
+        "event = [{ name = \"P\", at = [0, 1] }, { name = \"Q\", at = [0, 1] }]\narrow = [{ from = \"P\", to = \"Q\" }]\n",
+        "diagram.arrow[0].to",
+        "no direction",
+        "another event",
+    );
+}
+
+#[test]
+fn an_arrow_too_short_to_be_seen_is_drawn_without_a_head() {
+    // 1 g turns a world line within a light-year, beside which a metre is nothing.
+    let text = "[diagram]\nworldline = [{ name = \"B\", velocity = 0.5 }, { name = \"E\", acceleration = \"-1 g\" }]\n\
+                event = [{ name = \"Q\", at = [2, 0.3] }]\narrow = [{ from = [0, 0], to = [1, 0.5], label = \"v\" }]\n";
+    let model = parsed(text).unwrap();
+    let drawing =
+        nullray::figures::diagram::draw(&nullray::figures::diagram::layout(&model), &model.style)
+            .unwrap();
+    nullray::figures::drawing::svg::write(&drawing).unwrap();
+    // Nor is a page too small for its notes an error.
+    let small = text.replace("[diagram]\n", "[diagram]\ndirection = [0, 1, 0]\n");
+    let mut model = parsed(&small).unwrap();
+    (model.style.width, model.style.height) = (Some(10.0), Some(10.0));
+    let drawing =
+        nullray::figures::diagram::draw(&nullray::figures::diagram::layout(&model), &model.style)
+            .unwrap();
+    nullray::figures::drawing::svg::write(&drawing).unwrap();
+}
+
+#[test]
 fn a_line_of_text_that_no_page_has_room_for_is_refused() {
     let long = "x".repeat(401);
     for (text, place) in [

@@ -19,6 +19,9 @@ const HEADED: f64 = 14.0;
 /// Shorter signals have no head.
 const HEADLESS: f64 = 3.0;
 
+/// The length from which on a line has a direction on the page, points.
+const SHORTEST: f64 = 0.01;
+
 /// The pen for a panel's lines.
 pub(super) struct Pen<'a> {
     pub panel: &'a Panel,
@@ -112,6 +115,18 @@ pub(super) fn head(panel: &Panel, map: &Map, ends: [Point; 2]) -> Option<(Point,
 impl Pen<'_> {
     pub fn line(&self, ends: [Point; 2], stroke: Stroke) -> Item {
         Item::stroked(self.map.polyline(&ends), stroke)
+    }
+
+    /// A line with a head at its end, unless it is too short on the page to have a direction.
+    fn arrow(&self, ends: [Point; 2], stroke: Stroke, head: Arrow) -> Item {
+        let [from, to] = ends.map(|end| self.map.at(end));
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let stroke = if length > SHORTEST {
+            stroke.ending(head)
+        } else {
+            stroke
+        };
+        self.line(ends, stroke)
     }
 
     fn named(&self, name: Option<Name>, otherwise: Name) -> Colour {
@@ -295,8 +310,11 @@ impl Pen<'_> {
             length: 6.5,
             width: 4.5,
         };
-        let stroke = Stroke::new(colour, 0.55 * self.theme.width).ending(head);
-        self.line(axis.ends, stroke)
+        self.arrow(
+            axis.ends,
+            Stroke::new(colour, 0.55 * self.theme.width),
+            head,
+        )
     }
 
     fn arrows(&self) -> Vec<Item> {
@@ -307,8 +325,8 @@ impl Pen<'_> {
                 (None, None) => self.theme.ink,
             };
             let width = 1.3 * self.theme.width;
-            let stroke = Stroke::new(colour, width).ending(Arrow::of_line(width));
-            self.line(arrow.ends, stroke)
+            let head = Arrow::of_line(width);
+            self.arrow(arrow.ends, Stroke::new(colour, width), head)
         });
         all.collect()
     }

@@ -350,7 +350,14 @@ fn arrow(names: &mut Names, at: &At<file::Arrow>) -> Result<Segment> {
             let to = moment.event + frame.world_from_frame().displacement(ahead);
             (moment.event, to, names.line_named(of).ok())
         }
-        (None, Some(from), Some(to)) => (names.event(from)?, names.event(to)?, None),
+        (None, Some(from), Some(to)) => {
+            let (start, end) = (names.event(from)?, names.event(to)?);
+            if start == end {
+                let what = "this arrow ends where it begins, and has no direction";
+                return Err(cx.refuse(to, what, "name another event"));
+            }
+            (start, end, None)
+        }
         _ => {
             let help = "give `of`, or `from` and `to`";
             return Err(cx.refuse(at, "this arrow goes nowhere", help));

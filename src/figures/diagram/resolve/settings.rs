@@ -116,6 +116,15 @@ pub(super) fn limits(
     if to - from > NARROWEST * from.abs().max(to.abs()) {
         return Ok(Some([from * unit, to * unit]));
     }
+    if to > from {
+        let what = format!(
+            "limits from {from} to {to} are too close to each other to be told apart on paper"
+        );
+        let help = format!(
+            "give limits that differ by more than {NARROWEST:e} of the larger, or measure from an event nearby"
+        );
+        return Err(cx.refuse(at, what, help));
+    }
     let what = format!("limits from {from} to {to} span nothing");
     Err(cx.refuse(at, what, "give the smaller number first, like [-1, 4]"))
 }

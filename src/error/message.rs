@@ -77,6 +77,12 @@ settings! {
     SamplesPerPixel = "display.samples_per_pixel",
     /// The override of the camera's time, which follows.
     Time = "camera.time",
+    /// The override of the diagram's view, which follows.
+    Frame = "diagram.view",
+    /// The override of the frame to which the diagram's view is boosted, which follows.
+    BoostTo = "diagram.animation.boost_to",
+    /// The override of the diagram's dimensions, which follow.
+    Dimensions = "diagram.dimensions",
     /// The override of the exposure, which follows.
     Exposure = "display.exposure",
     /// The override of the radiance shown as white, which follows.

@@ -29,6 +29,12 @@ pub struct Overrides {
     pub samples_per_pixel: Option<u32>,
     /// The camera's proper time at the shot, with its unit, in place of `camera.time`.
     pub time: Option<String>,
+    /// The frame in whose coordinates the diagram is drawn, in place of `diagram.view`.
+    pub frame: Option<String>,
+    /// The frame to which the view of the diagram is boosted, in place of `diagram.animation.boost_to`.
+    pub boost_to: Option<String>,
+    /// "1+1" or "2+1", in place of `diagram.dimensions`.
+    pub dimensions: Option<String>,
     /// Whether glTF files may refer to files outside their own folder and the scene's. Does not change the text.
     pub allow_outside: bool,
 }
@@ -142,6 +148,9 @@ fn changes(overrides: &Overrides) -> Result<Vec<Change>> {
         white,
         samples_per_pixel,
         time,
+        frame,
+        boost_to,
+        dimensions,
         allow_outside: _,
     } = overrides;
     let mut all = Vec::new();
@@ -162,6 +171,13 @@ fn changes(overrides: &Overrides) -> Result<Vec<Change>> {
             samples,
         ),
         (Setting::Time, "camera.time", text(time)),
+        (Setting::Frame, "diagram.view", text(frame)),
+        (
+            Setting::BoostTo,
+            "diagram.animation.boost_to",
+            text(boost_to),
+        ),
+        (Setting::Dimensions, "diagram.dimensions", text(dimensions)),
         (Setting::Exposure, "display.exposure", text(exposure)),
         (Setting::White, "display.white", white),
     ];

@@ -117,6 +117,7 @@ impl Changes {
             exposure: self.exposure.clone(),
             white: self.white,
             allow_outside: self.files.allow_outside,
+            ..Overrides::default()
         }
     }
 

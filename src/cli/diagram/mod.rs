@@ -14,6 +14,7 @@ use nullray::scene::Overrides;
 
 use super::args::DiagramArguments;
 use super::check::{Names, by_ffmpeg, unknown_format};
+use super::failure::refused;
 use super::names::named_after;
 use super::output::{encoded, extension};
 use super::{builtin, inputs, interrupt, reel, say};
@@ -33,6 +34,7 @@ pub fn run(mut arguments: DiagramArguments) -> Result<()> {
     arguments.quiet.on |= arguments.output.iter().any(|path| reel::is_pipe(path));
     let arguments = &arguments;
     let outputs = outputs(arguments)?;
+    check_boost(arguments, &outputs)?;
     let mut model = match arguments.pixel.pixel {
         Some(pixel) => pixel::model(arguments, pixel)?,
         None => model(arguments)?,
@@ -47,6 +49,21 @@ pub fn run(mut arguments: DiagramArguments) -> Result<()> {
         page.still(&model)?;
     }
     series::write(&page, &model)
+}
+
+/// Refuses a boost of which no output shows more than the first picture.
+fn check_boost(arguments: &DiagramArguments, outputs: &[Output]) -> Result<()> {
+    let is_shown = arguments.frames.is_some() || outputs.iter().any(Output::is_animated);
+    match &arguments.boost_to {
+        Some(name) if !is_shown => {
+            let what = "a single picture does not show a boost";
+            let help = format!(
+                "-o FILE.apng, numbered pictures with --frames 0..72, or --frame {name} for the last one alone"
+            );
+            Err(refused(format!("--boost-to {name}"), what, &help))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The file's diagram, or that of its scene; meshes and cubes are not read.
@@ -170,21 +187,13 @@ fn read(arguments: &DiagramArguments) -> Vec<PathBuf> {
 
 /// The command line's changes to the file, with `frame` as the frame to draw in.
 fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
-    let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
-    let said = [
-        ("diagram.view", frame),
-        ("diagram.animation.boost_to", arguments.boost_to.as_deref()),
-        ("diagram.dimensions", arguments.dimensions.as_deref()),
-    ];
-    let said = said
-        .into_iter()
-        .filter_map(|(key, text)| Some((key.to_string(), quoted(text?))));
-    let mut set = arguments.edits.set.clone();
-    set.extend(said);
     Overrides {
-        set,
+        set: arguments.edits.set.clone(),
         time: arguments.edits.time.clone(),
         size: arguments.pixel.image_size,
+        frame: frame.map(String::from),
+        boost_to: arguments.boost_to.clone(),
+        dimensions: arguments.dimensions.clone(),
         allow_outside: arguments.pixel.files.allow_outside,
         ..Overrides::default()
     }

@@ -195,6 +195,26 @@ fn what_is_asked_for_wrongly_is_refused() {
             &["--frames 0..2", "no animation", "--boost-to"],
         ),
         (
+            "d.toml --boost-to out -o a.svg",
+            &[
+                "--boost-to out",
+                "a single picture",
+                "FILE.apng",
+                "--frames",
+            ],
+        ),
+        (
+            "d.toml --boost-to there -o a.apng",
+            &["Set by `--boost-to there`"],
+        ),
+        (
+            "d.toml --frame nobody",
+            &[
+                "no frame \"nobody\"",
+                "Set by `--frame nobody` on the command line",
+            ],
+        ),
+        (
             "d.toml -o a.apng",
             &["FILE.apng", "no animation", "--boost-to"],
         ),

@@ -6,6 +6,7 @@ mod emitters;
 mod files;
 mod geometry;
 mod response;
+mod retake;
 mod sky;
 mod smooth;
 mod stores;
@@ -30,6 +31,7 @@ use crate::render::trace::{
     Background, HitBuffer, Meter, Radiance, Rays, RestFrame, Surfaces, TracedRays,
 };
 use crate::scene::model::Scene;
+use retake::Fixed;
 
 /// A scene with everything loaded and built that its plan lists.
 #[derive(Debug)]
@@ -64,6 +66,8 @@ pub struct Prepared {
     pub built_in: f64,
     /// What the plan leaves of the memory limit, bytes: for work whose size no plan can estimate.
     pub memory_left: u64,
+    /// What scenes of further pictures have to have in common with the prepared one.
+    fixed: Fixed,
 }
 
 impl Prepared {
@@ -146,6 +150,7 @@ impl Prepared {
             unfound_light: unfound,
             built_in,
             memory_left: plan.memory_left(),
+            fixed: Fixed::of(scene),
         })
     }
 
@@ -196,8 +201,10 @@ impl Prepared {
     /// and show less than the prepared plan needs.
     ///
     /// # Errors
-    /// As [`Camera::new`].
+    /// As [`Prepared::retake`], and a plan of pictures of another size than the scene's.
     pub fn retake_on_film(&mut self, scene: &Scene, plan: &Plan) -> Result<()> {
+        self.fixed.check(scene)?;
+        retake::check_size(scene, plan.film.size)?;
         let has_gaps = self.layout.has_gaps || plan.film.has_gaps;
         self.layout = Layout {
             has_gaps,
@@ -205,15 +212,26 @@ impl Prepared {
         };
         self.sampler = sampler(scene, &plan.film);
         self.method = method(&plan.film);
-        self.retake(scene)
+        self.set_camera(scene)
     }
 
     /// Sets the camera of the next picture to that of `scene`, which may differ from the prepared scene only in the camera's place,
-    /// direction, field of view, motion and time: everything else stays as it is loaded and built.
+    /// direction, field of view, motion and time: everything else stays as it is loaded and built. What is quick to compare is checked;
+    /// files, materials and lights are not.
+    ///
+    /// Cameras of one `Prepared` render one after the other: `retake` needs it for itself, and rendering uses all threads anyway.
     ///
     /// # Errors
-    /// As [`Camera::new`].
+    /// A picture of another size, objects that differ in number, name, place or motion, other effects or another medium; and as
+    /// [`Camera::new`].
     pub fn retake(&mut self, scene: &Scene) -> Result<()> {
+        self.fixed.check(scene)?;
+        retake::check_size(scene, self.layout.size)?;
+        self.set_camera(scene)
+    }
+
+    /// Sets the camera to that of `scene`, which is known to differ in nothing else.
+    pub(crate) fn set_camera(&mut self, scene: &Scene) -> Result<()> {
         self.camera = Camera::new(scene)?;
         self.integrated_exposure = scene.camera.integrated_exposure();
         if let Background::Sky {

@@ -80,7 +80,7 @@ fn showing(scene: &Scene, prepared: &mut Prepared) -> Option<[f64; 2]> {
     };
     let first = end(times[best], &mut (0..best).rev());
     let last = end(times[best], &mut (best + 1..times.len()));
-    prepared.retake(scene).ok()?;
+    prepared.set_camera(scene).ok()?;
     (first < last).then_some([first, last])
 }
 
@@ -119,7 +119,7 @@ fn approach(scene: &Scene, frame: &RestFrame) -> Option<[f64; 2]> {
 fn hits(scene: &Scene, prepared: &mut Prepared, time: f64) -> usize {
     let mut other = scene.clone();
     other.camera = scene.camera.at(time);
-    if prepared.retake(&other).is_err() {
+    if prepared.set_camera(&other).is_err() {
         return 0;
     }
     let (prepared, surfaces) = (&*prepared, prepared.surfaces());

@@ -65,9 +65,9 @@ impl<'a> Shots<'a> {
             None => {
                 let mut other = self.scene.clone();
                 other.camera = self.scene.camera.at(time);
-                self.prepared.retake(&other).ok()?;
+                self.prepared.set_camera(&other).ok()?;
                 let seen = seen_or_sampled(self.prepared, self.every);
-                self.prepared.retake(self.scene).ok()?;
+                self.prepared.set_camera(self.scene).ok()?;
                 self.known.push((time, seen));
                 self.known.len() - 1
             }

@@ -89,3 +89,69 @@ fn pictures_of_other_sizes_and_samples_need_no_other_preparation() {
         assert_eq!(bits(&film), bits(&own));
     }
 }
+
+#[test]
+fn another_picture_of_what_was_not_prepared_is_refused() {
+    let text = |camera: &str, object: &str, more: &str| {
+        format!(
+            "{more}[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [32, 24]\n{camera}\n\
+             [[object]]\nname = \"q\"\nshape = {{ box = {{ size = [1, 1, 1] }} }}\n{object}"
+        )
+    };
+    let scene = stage::scene(&text("", "", ""));
+    let mut prepared = Prepared::new(&scene, &plan(&scene), &Silent).unwrap();
+    let before = bits(&render(&prepared, &Silent).unwrap());
+    let wide = text("", "", "").replace("[32, 24]", "[64, 24]");
+    let second =
+        text("", "", "") + "[[object]]\nname = \"r\"\nshape = { box = { size = [1, 1, 1] } }\n";
+    let cases = [
+        (wide, "camera.size", "64 × 24"),
+        (
+            text("", "velocity = { beta = [0.5, 0, 0] }\n", ""),
+            "object[0]",
+            "\"q\" differs",
+        ),
+        (
+            text("", "origin = { position = [1, 0, 0] }\n", ""),
+            "object[0]",
+            "\"q\" differs",
+        ),
+        (
+            text("", "transform = { translate = [1, 0, 0] }\n", ""),
+            "object[0]",
+            "\"q\" differs",
+        ),
+        (second, "object", "2 objects, but 1"),
+        (
+            text("", "", "medium = { index = 1.5 }\n"),
+            "medium_index",
+            "medium",
+        ),
+        (
+            text("", "", "effects = { doppler = false }\n"),
+            "effects",
+            "effects",
+        ),
+    ];
+    for (text, place, what) in cases {
+        let other = stage::scene(&text);
+        let Err(Error::Invalid(problem)) = prepared.retake(&other) else {
+            panic!("{place} is not refused")
+        };
+        assert_eq!(problem.place.to_string(), place);
+        assert!(problem.what.contains(what), "{}", &*problem.what);
+        assert!(problem.help.contains("Prepared::"), "{}", &*problem.help);
+        // Its own film makes up for another size alone.
+        let own = prepared.retake_on_film(&other, &plan(&other));
+        assert_eq!(own.is_ok(), place == "camera.size");
+        prepared.retake_on_film(&scene, &plan(&scene)).unwrap();
+    }
+    // A plan of one size is none for a scene of another.
+    let wide = stage::scene(&text("", "", "").replace("[32, 24]", "[64, 24]"));
+    assert!(prepared.retake_on_film(&wide, &plan(&scene)).is_err());
+    // After all refusals it is as it was, and another camera is another picture.
+    assert_eq!(bits(&render(&prepared, &Silent).unwrap()), before);
+    let moved = stage::scene(&text("velocity = { beta = [0, 0.3, 0] }", "", ""));
+    prepared.retake(&moved).unwrap();
+    assert_ne!(bits(&render(&prepared, &Silent).unwrap()), before);
+}

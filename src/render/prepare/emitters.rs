@@ -21,8 +21,9 @@ use crate::mesh::{AlphaMode, Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, shown_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    AlphaMask, AreaLights, BaseColour, BaseColours, Colouring, Element, Emitter, Finish, Glass,
-    Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
+    AlphaMask, AreaLights, BaseColour, BaseColours, Colouring, CustomRadiance, Element, Emitter,
+    Finish, Glass, Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup,
+    TimeResolved,
 };
 use crate::scene::model::{
     Effects, EmissionProfile, Geometry, LightKind, Reconstruction, Scene, SourceKind, Spectra,
@@ -40,7 +41,7 @@ pub enum SurfaceLight {
     /// The same, with light that is traced from surface to surface.
     PathTraced(PathTraced),
     /// The caller's radiance in place of the scene's, set by [`Prepared::set_radiance`](super::Prepared::set_radiance).
-    Custom(Box<dyn Radiance>),
+    Custom(CustomRadiance),
 }
 
 impl SurfaceLight {
@@ -50,7 +51,7 @@ impl SurfaceLight {
             SurfaceLight::Constant(radiance) => radiance,
             SurfaceLight::TimeResolved(radiance) => radiance,
             SurfaceLight::PathTraced(radiance) => radiance,
-            SurfaceLight::Custom(radiance) => radiance.as_ref(),
+            SurfaceLight::Custom(radiance) => radiance,
         }
     }
 
@@ -77,17 +78,23 @@ impl SurfaceLight {
         !cubes.is_empty() && cubes.iter().all(|cube| survey::is_dark(cube.cube()))
     }
 
-    /// Whether data could not be read on demand.
+    /// Whether data could not be read on demand, or the caller's radiance has broken its contract.
     pub(crate) fn has_failed(&self) -> bool {
+        if let SurfaceLight::Custom(radiance) = self {
+            return radiance.has_failed();
+        }
         let mut on_disk = self.time_resolved().into_iter().flat_map(|l| l.on_disk());
         on_disk.any(Bricks::has_failed)
     }
 
-    /// Checks that all data requested by lookups could be read.
+    /// Checks that all data requested by lookups could be read, and that the caller's own radiance gave one emission for each point.
     ///
     /// # Errors
     /// The first failure.
     pub fn check(&self) -> Result<()> {
+        if let SurfaceLight::Custom(radiance) = self {
+            return radiance.check();
+        }
         let mut on_disk = self.time_resolved().into_iter().flat_map(|l| l.on_disk());
         on_disk.try_for_each(Bricks::check)
     }

@@ -28,7 +28,7 @@ use crate::render::plan::{Plan, unfound_light, unshown};
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    Background, HitBuffer, Meter, Radiance, Rays, RestFrame, Surfaces, TracedRays,
+    Background, CustomRadiance, HitBuffer, Meter, Radiance, Rays, RestFrame, Surfaces, TracedRays,
 };
 use crate::scene::model::Scene;
 use retake::Fixed;
@@ -184,7 +184,7 @@ impl Prepared {
     /// [gaps](Radiance::has_gaps) count in the film's coverage.
     pub fn set_radiance(&mut self, radiance: Box<dyn Radiance>) {
         self.layout.has_gaps |= radiance.has_gaps();
-        self.light = SurfaceLight::Custom(radiance);
+        self.light = SurfaceLight::Custom(CustomRadiance::new(radiance));
     }
 
     /// Sets whether the camera sees the light that surfaces emit by themselves beside what they reflect, as it does unless told otherwise.

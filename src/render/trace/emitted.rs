@@ -50,6 +50,7 @@ pub struct Response {
 
 /// The factor on a radiance, by W.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Scaling {
     /// 1: the searchlight effect is off, or included in the colouring.
     None,
@@ -61,6 +62,7 @@ pub enum Scaling {
 
 /// How radiance becomes a colour.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum Colouring {
     /// The channels are the colours.
     Channels,
@@ -147,6 +149,8 @@ impl Eye {
 pub struct Emitted {
     /// The observer's response.
     pub(super) response: Response,
+    /// Whether the run has been started.
+    is_started: bool,
     /// Radiance to which the factors apply, per channel.
     pub(super) radiance: Vec<[f64; 3]>,
     /// Infrared and ultraviolet of each point, if the response includes them; empty otherwise.
@@ -400,6 +404,7 @@ impl Default for Emitted {
                 scaled: Scaling::None,
                 colour: Colouring::Channels,
             },
+            is_started: false,
             radiance: Vec::new(),
             companions: Vec::new(),
             details: Vec::new(),
@@ -466,6 +471,22 @@ impl Emitted {
     /// Clears the last run and starts one with this response.
     pub fn start(&mut self, response: Response) {
         self.response = response;
+        self.is_started = true;
+        self.clear();
+    }
+
+    /// Clears the last run without a start of the next.
+    pub(super) fn forget(&mut self) {
+        self.is_started = false;
+        self.clear();
+    }
+
+    /// The number of points with an emission; `None` if the run was not started.
+    pub(super) fn pushed(&self) -> Option<usize> {
+        self.is_started.then_some(self.radiance.len())
+    }
+
+    fn clear(&mut self) {
         self.radiance.clear();
         self.companions.clear();
         self.details.clear();
@@ -506,7 +527,7 @@ impl Emitted {
         }
     }
 
-    /// Adds what the next point emits.
+    /// Adds what the next point emits. After [`start`](Emitted::start), once for each point of the run.
     pub fn push(&mut self, emission: Emission) {
         self.radiance.push(emission.radiance);
         self.put(self.radiance.len() - 1, emission);

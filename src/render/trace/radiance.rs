@@ -105,8 +105,11 @@ pub trait Radiance: Debug + Send + Sync {
         1
     }
 
-    /// Fills `emitted` with the radiance that leaves the points of `run` towards the camera: call [`Emitted::start`], then
-    /// [`Emitted::push`] for each point.
+    /// Fills `emitted` with the radiance that leaves the points of `run` towards the camera: call [`Emitted::start`] once, then
+    /// [`Emitted::push`] once for each of [`Run::points`], in their order. Rendering with the caller's own radiance that does otherwise is an
+    /// error. Values are not checked: NaN, infinite and negative radiances get into the film as they are.
+    ///
+    /// It is called on many threads at once, and again for a run that is rendered again: the same run has to give the same radiance.
     fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter);
 
     /// How the camera that captured the radiance of `point` sees it; `None` if no camera captured it.

@@ -371,3 +371,52 @@ fn a_radiance_of_the_callers_own_counts_what_it_does_not_have() {
     assert!((mean.held - expected).abs() < 1e-12, "{mean:?} {held:?}");
     assert!((mean.off_texture - (1.0 - expected)).abs() < 1e-12);
 }
+
+/// Emissions of 1 for so many more or fewer points than there are; without a start if that is `None`.
+#[derive(Debug)]
+struct Off(Option<i64>);
+
+impl Radiance for Off {
+    fn has_gaps(&self) -> bool {
+        false
+    }
+
+    fn emit(&self, run: &Run, emitted: &mut Emitted, _: &mut Meter) {
+        let Some(off) = self.0 else { return };
+        emitted.start(Response {
+            scaled: Scaling::None,
+            colour: Colouring::Channels,
+        });
+        for _ in 0..run.points().count() as i64 + off {
+            emitted.push(Emission::full([1.0; 3]));
+        }
+    }
+}
+
+#[test]
+fn a_radiance_of_the_callers_own_gives_one_emission_for_each_point_or_is_an_error() {
+    let scene = stage::scene(
+        "[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nsize = [32, 24]\n\
+         [[object]]\nname = 'a'\nshape = { box = { size = [2, 2, 1] } }\n",
+    );
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let rendered = |off| {
+        let mut prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+        prepared.set_radiance(Box::new(Off(off)));
+        render(&prepared, &Silent)
+    };
+    assert!(rendered(Some(0)).is_ok());
+    for (off, said) in [
+        (Some(-1), "emissions for a run of"),
+        (Some(3), "emissions for a run of"),
+        (None, "did not call Emitted::start"),
+    ] {
+        let error = rendered(off).unwrap_err();
+        assert!(error.to_string().contains(said), "{error}");
+        assert!(
+            error.help().contains("Emitted::push once for each"),
+            "{}",
+            error.help()
+        );
+    }
+}

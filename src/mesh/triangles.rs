@@ -335,13 +335,16 @@ impl Mesh {
         }
     }
 
-    /// Checks that indices are in range, that lists have the right lengths, that normals are finite, and that colours and numbers of
+    /// Checks that there are triangles, that indices are in range, that lists have the right lengths, that normals are finite, and that colours and numbers of
     /// materials are in range.
     ///
     /// # Errors
     /// The first field that fails.
     pub fn check(&self) -> Result<(), MeshError> {
         let refuse = |field: String, what: String| Err(MeshError { field, what });
+        if self.triangles.is_empty() {
+            return refuse("triangles".into(), "there are none".into());
+        }
         let vertices = self.positions.len();
         let beyond = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= vertices);
         if let Some(i) = self.triangles.iter().position(beyond) {
@@ -393,7 +396,13 @@ impl Mesh {
             }
             next += u64::from(part.triangles);
             if part.material as usize >= self.materials.len() {
-                let what = format!("there are {} materials", self.materials.len());
+                let what = match self.materials.len() {
+                    1 => format!("is {}, but there is only material 0", part.material),
+                    count => format!(
+                        "is {}, but there are {count} materials, from 0 on",
+                        part.material
+                    ),
+                };
                 return refuse(format!("parts[{i}].material"), what);
             }
         }

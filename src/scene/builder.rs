@@ -45,6 +45,7 @@ use crate::spacetime::units::{Dimension, Measure};
 /// # Ok::<(), nullray::Error>(())
 /// ```
 #[derive(Debug, Clone)]
+#[must_use = "each method takes the builder and returns it"]
 pub struct Builder {
     name: String,
     base: PathBuf,
@@ -149,15 +150,14 @@ impl Builder {
     /// Adds the source `name`, a cube in memory, which is shared. Its bins are `bin_width` metres (ct) wide.
     pub fn cube(mut self, name: &str, cube: Arc<Cube>, bin_width: f64) -> Self {
         let file = self.memory.add_cube(cube).into();
-        // The shortest text that reads back as the same f64.
-        let width = format!("{bin_width} m").into();
+        let width = metres(bin_width).into();
         let keys = Value::table([("file", file), ("bin_width", width)]);
         self.add("source", name, "cube", keys)
     }
 
     /// Adds the source `name`, a spherical pulse of light from `position`, with a standard deviation of `sigma` metres (ct) in time.
     pub fn pulse(self, name: &str, position: DVec3, sigma: f64) -> Self {
-        let sigma = format!("{sigma} m").into();
+        let sigma = metres(sigma).into();
         let keys = Value::table([("position", position.into()), ("sigma", sigma)]);
         self.add("source", name, "pulse", keys)
     }
@@ -316,5 +316,12 @@ impl From<Velocity> for Value {
 impl<D: Dimension> From<Measure<D>> for Value {
     fn from(measure: Measure<D>) -> Self {
         measure.to_string().into()
+    }
+}
+/// The shortest text that reads back as the same f64, with an exponent where digits would be many zeros.
+fn metres(value: f64) -> String {
+    match value.abs() {
+        size if size != 0.0 && !(1e-7..1e16).contains(&size) => format!("{value:e} m"),
+        _ => format!("{value} m"),
     }
 }

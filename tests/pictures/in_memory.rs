@@ -197,6 +197,40 @@ fn refusal(builder: Builder) -> (String, String) {
 }
 
 #[test]
+fn errors_of_a_mesh_in_memory_name_the_scene_and_the_field() {
+    let rendered = |mesh: Mesh| {
+        let scene = camera("my scene")
+            .mesh("q", Arc::new(mesh))
+            .build()
+            .unwrap();
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let silent = nullray::render::progress::Silent;
+        nullray::render::prepare::Prepared::new(&scene, &plan, &silent).unwrap_err()
+    };
+    for (bad, said) in [(f64::NAN, "[NaN, NaN, NaN]"), (1e300, "[1e300, 0.0, 0.0]")] {
+        let mut mesh = triangle();
+        mesh.positions[1].x = bad;
+        let error = rendered(mesh).to_string();
+        let start =
+            format!("my scene, object \"q\", positions[1]: is at {said} m after its transform");
+        assert!(error.starts_with(&start), "{error}");
+    }
+    let mut mesh = triangle();
+    mesh.parts[0].material = 4;
+    let (place, what) = refusal(camera("my scene").mesh("q", Arc::new(mesh)));
+    assert!(place.contains("parts[0].material"), "{place}");
+    assert_eq!(what, "is 4, but there is only material 0");
+    let (place, what) = refusal(camera("my scene").mesh("q", Arc::new(Mesh::default())));
+    assert!(place.contains("triangles"), "{place}");
+    assert_eq!(what, "there are none");
+    // No hundred zeros in a message.
+    let cube = Cube::new([1, 1, 8, 1], CubeSamples::F32(vec![1.0; 8])).unwrap();
+    let with_cube = camera("wide bins").mesh("q", Arc::new(triangle()));
+    let (_, what) = refusal(with_cube.cube("light", Arc::new(cube), 1e40));
+    assert_eq!(what, "\"1e40 m\" is beyond 1e30");
+}
+
+#[test]
 fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
     let scene = camera("changed")
         .mesh("a", Arc::new(triangle()))

@@ -70,7 +70,7 @@ impl Method {
                     bad_vertices: object.bad_vertices,
                     bad_textures: object.bad_textures,
                 };
-                let (mesh, _) = object_mesh(object, want, &mut Vec::new())?;
+                let (mesh, _) = object_mesh(scene, object, want, &mut Vec::new())?;
                 let triangles = 0..mesh.triangles.len() as u32;
                 all += triangles
                     .map(|triangle| cuts_of(mesh.corners(triangle), length))

@@ -240,8 +240,13 @@ fn check_uv_set(scene: &Scene, source: &Source, object: &PlannedObject) -> Resul
     match cube.mapping {
         Mapping::Uv { set, .. } if set >= object.uv_sets => {
             let what = format!(
-                "object \"{}\" has no TEXCOORD_{set} (sets of texture coordinates that it has: {})",
-                object.name, object.uv_sets
+                "object \"{}\" has no TEXCOORD_{set}: it has {}",
+                object.name,
+                match object.uv_sets {
+                    0 => "no texture coordinates".to_string(),
+                    1 => "TEXCOORD_0 alone".to_string(),
+                    sets => format!("TEXCOORD_0 to TEXCOORD_{}", sets - 1),
+                }
             );
             let help = "another `uv`, a mesh that is exported with texture coordinates, or a `capture` \
                         camera to project the cube from";

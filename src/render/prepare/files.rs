@@ -34,7 +34,7 @@ pub fn check_files<'a>(
             if let Some(key) = key(object, want)
                 && is_new(key)
             {
-                mesh(object, planned, want, plan.memory_left())?;
+                mesh(scene, object, planned, want, plan.memory_left())?;
             }
         }
         for (source, planned) in scene.sources.iter().zip(&plan.cubes) {
@@ -72,8 +72,14 @@ fn key(object: &Object, want: Want) -> Option<String> {
     }
 }
 
-fn mesh(object: &Object, planned: &PlannedObject, want: Want, memory: u64) -> Result<()> {
-    let (_, images) = geometry::object_mesh(object, want, &mut Vec::new())?;
+fn mesh(
+    scene: &Scene,
+    object: &Object,
+    planned: &PlannedObject,
+    want: Want,
+    memory: u64,
+) -> Result<()> {
+    let (_, images) = geometry::object_mesh(scene, object, want, &mut Vec::new())?;
     let unnamed = PathBuf::new();
     let file = planned.file.as_ref().unwrap_or(&unnamed);
     images.into_iter().try_for_each(|image| {

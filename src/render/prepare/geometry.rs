@@ -75,7 +75,7 @@ fn gathered_frame(
         let planned = &plan.objects[index];
         let want = want(scene, object, planned);
         let mut told = Vec::new();
-        let (mesh, images) = object_mesh(object, want, &mut told)?;
+        let (mesh, images) = object_mesh(scene, object, want, &mut told)?;
         told.retain(|what| !is_moot(scene, what));
         tell(warnings, told);
         let emitters = light.materials(index, &mesh, images)?;
@@ -116,11 +116,12 @@ fn masked_runs(patches: &[Patch], light: &Builder) -> Vec<MaskedRun> {
     masked.collect()
 }
 
-/// The mesh of an object in object coordinates, as it is rendered, and the requested images of its file.
+/// The mesh of an object of `scene` in object coordinates, as it is rendered, and the requested images of its file.
 ///
 /// # Errors
-/// Those of [`gltf::load`].
+/// Those of [`gltf::load`], and vertices that are out of range.
 pub fn object_mesh(
+    scene: &Scene,
     object: &Object,
     want: gltf::Want,
     warnings: &mut Vec<String>,
@@ -171,7 +172,7 @@ pub fn object_mesh(
     for p in &mut mesh.positions {
         *p = transform.transform_point3(*p);
     }
-    check_reach(object, &mut mesh, warnings)?;
+    check_reach(scene, object, &mut mesh, warnings)?;
     if transform.matrix3.determinant() < 0.0 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
@@ -221,20 +222,34 @@ fn texture_coordinates(
 }
 
 /// Refuses vertices that are too far away for a ray to hit, or drops their triangles.
-fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> Result<()> {
+fn check_reach(
+    scene: &Scene,
+    object: &Object,
+    mesh: &mut Mesh,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
     // False for NaN.
     let is_reached = |p: &DVec3| p.abs().max_element() <= Bvh::MAX_COORDINATE && !p.is_nan();
     let Some(at) = mesh.positions.iter().position(|p| !is_reached(p)) else {
         return Ok(());
     };
     if object.bad_vertices == BadVertices::Refuse {
-        let place = format!("object \"{}\", vertex {at}", object.name);
-        let what = format!("is at {} m after its transform", mesh.positions[at]);
+        let (file, vertex) = match &object.geometry {
+            Geometry::Gltf { path, .. } => (path.display().to_string(), format!("vertex {at}")),
+            Geometry::Shape { .. } => (scene.name.clone(), format!("vertex {at}")),
+            Geometry::Mesh(_) => (scene.name.clone(), format!("positions[{at}]")),
+        };
+        let place = format!("object \"{}\", {vertex}", object.name);
+        // Debug: with an exponent if numbers are long.
+        let what = format!(
+            "is at {:?} m after its transform",
+            mesh.positions[at].to_array()
+        );
         let help = format!(
             "coordinates must be within {:.0e} m; bad_vertices = \"drop\" leaves such triangles out",
             Bvh::MAX_COORDINATE
         );
-        return Err(Error::invalid(file(object), place, what, help));
+        return Err(Error::invalid(file, place, what, help));
     }
     let positions = &mesh.positions;
     let is_bad = |t: &&mut [u32; 3]| t.iter().any(|&v| !is_reached(&positions[v as usize]));
@@ -250,14 +265,6 @@ fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> 
         object.name
     ));
     Ok(())
-}
-
-/// The file of an object, or its name.
-fn file(object: &Object) -> String {
-    match &object.geometry {
-        Geometry::Gltf { path, .. } => path.display().to_string(),
-        Geometry::Shape { .. } | Geometry::Mesh(_) => object.name.clone(),
-    }
 }
 
 /// A rest frame while its triangles are gathered.

@@ -235,7 +235,7 @@ fn objects(
             bad_vertices: object.bad_vertices,
             bad_textures: object.bad_textures,
         };
-        let (mesh, images) = object_mesh(object, all, warnings)?;
+        let (mesh, images) = object_mesh(scene, object, all, warnings)?;
         is_matte &= mesh.materials.iter().all(lights::is_matte);
         let runs = gltf::glb::runs(&mesh);
         let bytes = gltf::glb::write(&object.name, &mesh, &runs, &images, |_| true)

@@ -9,6 +9,7 @@ use crate::scene::model::{CameraModel, CaptureCamera, ProjectionKind};
 
 /// Any of the projections.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum AnyProjection {
     /// Through a pinhole onto a plane.
     Perspective(Perspective),

@@ -12,6 +12,7 @@ use crate::scene::model::{Assembly, CameraModel, Equations, Motion, Scene};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum ViewKind {
     /// A point at rest in the world: no boost.
     Still,

@@ -607,6 +607,7 @@ impl CubeBacks {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Reconstruction {
     /// Linear between the centres of pixels, along both axes.
     #[default]
@@ -655,6 +656,7 @@ pub struct Effects {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum CaptureChoice {
     /// All that contain the point, weighted by how well they see it.
     #[default]
@@ -728,6 +730,7 @@ pub enum FlashClock {
 
 /// The factor between linear radiance and the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Exposure {
     /// This percentile of the brightest channel (of lit pixels, as displayed) becomes white, in (0, 100].
     Percentile(f64),

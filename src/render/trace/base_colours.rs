@@ -16,6 +16,7 @@ use crate::mesh::TextureSampler;
 
 /// What the radiance of a point depends on, apart from its wavelength ratio: each variant includes all previous ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Dependence {
     /// Only the patch.
     Patch,

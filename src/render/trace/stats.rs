@@ -10,6 +10,7 @@ use crate::io::cube::BytesRead;
 
 /// The stages of a batch, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stage {
     /// Sample positions in pixels, and camera rays through them.
     CameraRays,

@@ -34,8 +34,8 @@ pub(super) struct Diagram {
     /// "1+1": ct and x. "2+1": ct, x and y in oblique projection, with light cones as cones and simultaneous
     /// events as planes. Default: "1+1".
     pub dimensions: Option<At<Dimensions>>,
-    /// The direction of the world along which x is measured, of any length but 0. Default: that of the
-    /// camera's motion, or of the first object that moves, or else [1, 0, 0].
+    /// The direction of the world along which x is measured, of any length but 0; a note below the diagram names it if it is
+    /// not [1, 0, 0]. Default: that of the camera's motion, or of the first object that moves, or else [1, 0, 0].
     pub direction: Option<At<Vector>>,
     /// The direction along which y is measured in 2+1 dimensions; only its component perpendicular to `direction`
     /// counts. Default: a perpendicular direction in which something moves, or else upright.
@@ -138,7 +138,8 @@ pub(super) struct DiagramFrame {
     pub axes: Option<bool>,
     /// Whether its lines of equal time and equal place are drawn. Default: false.
     pub grid: Option<bool>,
-    /// The distance between the ticks on its axes, above 0. Default: as on the diagram's axes.
+    /// The distance between the ticks on its axes, above 0. Default: as on the diagram's axes, without numbers if the axes of
+    /// several moving frames are drawn.
     pub ticks: Option<At<Number>>,
     /// The colour. Default: the next of the palette.
     pub colour: Option<Colour>,

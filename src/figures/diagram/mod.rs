@@ -24,7 +24,8 @@
 //! `[diagram]` names frames, world lines and events, in any order, and the elements drawn between them. Its numbers are plain, in its
 //! `unit`, times as ct: `[ct, x]` is an event, `velocity = 0.6` is β along x, an acceleration is one per unit. Objects of the scene (`of
 //! = "camera"`, `"sensor"` or an object's name) are converted from metres. x is the component along `direction`; anything beside that
-//! line is projected onto it, and light that goes there is then steeper than 45 degrees.
+//! line is projected onto it, and light that goes there is then steeper than 45 degrees. Notes below the diagram say so
+//! ([`Layout::notes`]).
 //!
 //! With `dimensions = "2+1"` there is also y, the component along `across`, and `[ct, x, y]` is an event. Light cones are cones,
 //! `simultaneity` without `to` is a plane, and everything has a shadow on the floor below. Grids of frames, hyperbolae and wedges are
@@ -62,7 +63,7 @@ mod track;
 pub use draw::draw;
 pub use layout::{
     Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
-    Nappe, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine, layout,
+    Nappe, Note, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine, layout,
 };
 pub(crate) use layout::{limits, number, tick_step};
 #[cfg(feature = "schema")]

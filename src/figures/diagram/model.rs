@@ -65,6 +65,8 @@ pub struct Diagram {
     pub wedges: Vec<Wedge>,
     /// Texts.
     pub texts: Vec<Spot>,
+    /// Lines below the diagram about what it leaves out; markup.
+    pub notes: Vec<String>,
     /// The change over a series of pictures.
     pub animation: Option<Animation>,
     /// Simultaneous events, with the readings of clocks, for one picture.
@@ -250,6 +252,7 @@ pub struct Slice {
 
 /// The quantity that is equal along a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SliceKind {
     /// Time.
     Simultaneity,

@@ -1,7 +1,7 @@
 //! A series of pictures of one diagram, all with the same limits and with steady labels.
 
 use super::draw::{Habits, draw_next};
-use super::layout::{Limits, Panel, around, contents, layout, limits};
+use super::layout::{Limits, Note, Panel, around, contents, layout, limits, notes};
 use crate::error::Result;
 use crate::figures::diagram::model::{Animation, Diagram, Spot};
 use crate::figures::drawing::Drawing;
@@ -20,6 +20,8 @@ pub struct Series {
     animation: Animation,
     /// The extent of the pages of all pictures, for each panel.
     pages: Vec<[[f64; 2]; 2]>,
+    /// The notes of all pictures: with those of each its own, pages would differ in height.
+    notes: Vec<Note>,
     habits: Habits,
     next: u32,
 }
@@ -32,8 +34,10 @@ impl Series {
         if animation.boost.is_some() {
             fix_limits(&mut diagram, animation.frames);
         }
+        let (pages, notes) = pages(&diagram, animation.frames);
         Some(Series {
-            pages: pages(&diagram, animation.frames),
+            pages,
+            notes,
             diagram,
             animation,
             habits: Habits::default(),
@@ -58,6 +62,7 @@ impl Iterator for Series {
         for (panel, page) in layout.panels.iter_mut().zip(&self.pages) {
             panel.held = Some(*page);
         }
+        layout.notes.clone_from(&self.notes);
         self.next += 1;
         if self.animation.frames < MOTION {
             self.habits = Habits::default();
@@ -66,13 +71,14 @@ impl Iterator for Series {
     }
 }
 
-/// The extent of the pages, for each panel, over sample pictures of the whole animation.
-fn pages(diagram: &Diagram, frames: u32) -> Vec<[[f64; 2]; 2]> {
+/// The extent of the pages, for each panel, and the notes, over sample pictures of the whole animation.
+fn pages(diagram: &Diagram, frames: u32) -> (Vec<[[f64; 2]; 2]>, Vec<Note>) {
     let last = frames.saturating_sub(1);
     let mut pages: Vec<[[f64; 2]; 2]> = Vec::new();
+    let mut panels: Vec<Panel> = Vec::new();
     for k in (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT) {
-        let shown = layout(&diagram.picture(k)).panels;
-        let shown: Vec<_> = shown.iter().map(Panel::page).collect();
+        let picture = layout(&diagram.picture(k)).panels;
+        let shown: Vec<_> = picture.iter().map(Panel::page).collect();
         match pages.is_empty() {
             true => pages = shown,
             false => {
@@ -80,8 +86,9 @@ fn pages(diagram: &Diagram, frames: u32) -> Vec<[[f64; 2]; 2]> {
                 both.for_each(|(page, shown)| *page = around(*page, shown));
             }
         }
+        panels.extend(picture);
     }
-    pages
+    (pages, notes(diagram, &panels))
 }
 
 /// Sets limits that contain those of sample pictures of the whole animation, if none are given.

@@ -105,6 +105,7 @@ fn emptied(base: Diagram) -> Diagram {
         arrows: Vec::new(),
         wedges: Vec::new(),
         texts: Vec::new(),
+        notes: Vec::new(),
         ..base
     }
 }

@@ -4,6 +4,7 @@ mod axes;
 mod classic;
 mod labels;
 mod lines;
+mod notes;
 mod palette;
 mod refused;
 mod series;

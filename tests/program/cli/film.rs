@@ -274,8 +274,11 @@ fn diagrams_are_the_same_as_raw_video_and_as_animated_png() {
     folder.ok(&words.split(' ').collect::<Vec<_>>());
     let (exact, raw) = (apng(&folder.read("a.apng")), y4m(&folder.read("a.y4m")));
     assert_eq!(exact.len(), 3);
-    for (a, b) in exact.iter().zip(&raw) {
-        assert_near(a, b, 2);
+    for (a, (width, height, codes)) in exact.iter().zip(&raw) {
+        // Raw video has an even number of rows.
+        assert_eq!(*height, a.1.next_multiple_of(2));
+        let shown = codes[..a.2.len()].to_vec();
+        assert_near(a, &(*width, a.1, shown), 2);
     }
     let piped = words.replace("-o a.apng -o a.y4m", "-o -");
     let run = folder

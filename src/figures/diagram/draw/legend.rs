@@ -1,7 +1,6 @@
 //! A line sample and a name for each world line, below the panels.
 
 use super::layers::line_colour;
-use super::page::Page;
 use super::theme::Theme;
 use crate::error::Result;
 use crate::figures::diagram::layout::Layout;
@@ -23,22 +22,28 @@ pub(super) fn height(layout: &Layout, theme: &Theme) -> f64 {
     1.5 * theme.size * (entries(layout).count() as f64 + 0.5)
 }
 
-pub(super) fn items(layout: &Layout, theme: &Theme, page: &Page) -> Result<Vec<Item>> {
+/// Its lines, above `bottom` on a page of this width.
+pub(super) fn items(layout: &Layout, theme: &Theme, bottom: f64, width: f64) -> Result<Vec<Item>> {
     let mut items = Vec::new();
     let Some(panel) = layout.panels.first() else {
         return Ok(items);
     };
-    let top = page.height - height(layout, theme);
+    let top = bottom - height(layout, theme);
     for (row, (i, label)) in entries(layout).enumerate() {
         let colour = line_colour(panel, theme, i);
         let y = top + 1.5 * theme.size * (row as f64 + 0.5);
         let x = 2.0 * theme.size;
         let path = Path::line([x, y], [x + 28.0, y]);
         items.push(Item::stroked(path, theme.world_line(i, colour)));
+        let words = RichText::parse(label)?;
+        let left = x + 34.0;
+        // Smaller if the page is too narrow for it.
+        let room = (width - left - 0.5 * theme.size).max(0.1 * width);
+        let size = theme.size.min(room / words.width(1.0)?);
         items.push(Item::Text(Text {
             anchor: Anchor::START,
             colour: theme.ink,
-            ..Text::new(RichText::parse(label)?, [x + 34.0, y], theme.size)
+            ..Text::new(words, [left, y], size)
         }));
     }
     Ok(items)

@@ -17,7 +17,7 @@ use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Drawing, Item, Text};
 use crate::figures::text::{Rect, RichText};
 use labels::Ground;
 pub(crate) use labels::Habits;
-use labels::widened;
+use labels::{LEADING, widened, wrapped};
 use page::Page;
 use theme::Theme;
 
@@ -25,6 +25,9 @@ use theme::Theme;
 const GAP: f64 = 1.5;
 /// Between titles and labels beside them, points.
 const BESIDE: f64 = 16.0;
+/// Size of titles, and distance of the lines of notes, in the type's size.
+const TITLE: f64 = 1.2;
+const NOTE: f64 = 1.1;
 
 /// Draws a layout.
 ///
@@ -37,9 +40,9 @@ pub fn draw(layout: &Layout, style: &Style) -> Result<Drawing> {
 /// Draws the next layout of a series, whose labels stay where `habits` have them as long as they can.
 pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> Result<Drawing> {
     let theme = Theme::new(style);
-    let page = page(layout, style, &theme);
+    let page = page(layout, style, &theme)?;
     let mut items = title(layout, &theme, &page)?;
-    items.extend(note(layout, &theme, &page)?);
+    items.extend(notes(layout, &theme, &page)?);
     let mut ground = Ground::new(page.width, page.height, theme.background);
     for item in &items {
         if let Item::Text(text) = item {
@@ -64,7 +67,8 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
     items.extend(gaps::interrupted(lines, &boxes));
     items.extend(labels);
     if style.legend {
-        items.extend(legend::items(layout, &theme, &page)?);
+        let above_notes = page.height - notes_height(layout, &theme);
+        items.extend(legend::items(layout, &theme, above_notes, page.width)?);
     }
     let title = layout.title.as_deref().map(RichText::parse).transpose()?;
     Ok(Drawing {
@@ -94,59 +98,78 @@ fn boxes(labels: &[Item]) -> Result<Vec<Rect>> {
     texts.collect()
 }
 
-/// The note below a diagram with light outside of its plane.
-fn note(layout: &Layout, theme: &Theme, page: &Page) -> Result<Option<Item>> {
-    if !has_projected_light(layout) {
-        return Ok(None);
+/// The lines below a diagram.
+fn notes(layout: &Layout, theme: &Theme, page: &Page) -> Result<Vec<Item>> {
+    let room = page.width - theme.size.min(0.2 * page.width);
+    let count = layout.notes.len();
+    let notes = layout.notes.iter().enumerate().map(|(i, note)| {
+        let words = RichText::parse(&note.text)?;
+        let above = (count - 1 - i) as f64 * NOTE * theme.size;
+        let at = [0.5 * page.width, page.height - 0.6 * theme.size - above];
+        // Smaller if the page is too narrow for it.
+        let size = (room / words.width(1.0)?).min(0.8 * theme.size);
+        Ok(Item::Text(Text {
+            anchor: Anchor {
+                x: AnchorX::Middle,
+                y: AnchorY::Baseline,
+            },
+            colour: note.colour.map_or(theme.ink, |name| theme.colour(name)),
+            ..Text::new(words, at, size)
+        }))
+    });
+    notes.collect()
+}
+
+/// Height of the notes, points: that of one, and a line for each more.
+fn notes_height(layout: &Layout, theme: &Theme) -> f64 {
+    match layout.notes.len() {
+        0 => 0.0,
+        count => (1.6 + NOTE * (count - 1) as f64) * theme.size,
     }
-    let words = RichText::plain("dashed light leaves the plane of the diagram: its projection")?;
-    let at = [0.5 * page.width, page.height - 0.6 * theme.size];
-    // Smaller if the page is too narrow for it.
-    let room = (page.width - theme.size) / words.width(1.0)?;
-    let size = room.min(0.8 * theme.size);
-    Ok(Some(Item::Text(Text {
-        anchor: Anchor {
-            x: AnchorX::Middle,
-            y: AnchorY::Baseline,
-        },
-        colour: theme.light,
-        ..Text::new(words, at, size)
-    })))
 }
 
-fn has_projected_light(layout: &Layout) -> bool {
-    let panels = layout.panels.iter();
-    panels.flat_map(|panel| &panel.projected).any(|is| *is)
-}
-
-fn page(layout: &Layout, style: &Style, theme: &Theme) -> Page {
+fn page(layout: &Layout, style: &Style, theme: &Theme) -> Result<Page> {
     let head = match &layout.title {
-        Some(_) => 1.9 * theme.size,
+        Some(title) => {
+            let width = page::width(layout.panels.len(), style);
+            let lines = title_lines(title, width, theme)?.0.len();
+            (1.9 + TITLE * LEADING * (lines - 1) as f64) * theme.size
+        }
         None => 0.0,
     };
     let foot = match style.legend {
         true => legend::height(layout, theme),
         false => 0.0,
     };
-    let note = match has_projected_light(layout) {
-        true => 1.6 * theme.size,
-        false => 0.0,
-    };
-    Page::new(&layout.panels, style, head, foot + note)
+    let foot = foot + notes_height(layout, theme);
+    Ok(Page::new(&layout.panels, style, head, foot))
+}
+
+/// The lines of a title on a page of this width, and the size of their type.
+fn title_lines(title: &str, width: f64, theme: &Theme) -> Result<(Vec<RichText>, f64)> {
+    wrapped(
+        title,
+        TITLE * theme.size,
+        width - theme.size.min(0.2 * width),
+    )
 }
 
 fn title(layout: &Layout, theme: &Theme, page: &Page) -> Result<Vec<Item>> {
     let Some(title) = &layout.title else {
         return Ok(Vec::new());
     };
-    let at = [0.5 * page.width, 0.7 * theme.size];
-    let text = Text {
-        anchor: Anchor {
-            x: AnchorX::Middle,
-            y: AnchorY::Top,
-        },
-        colour: theme.ink,
-        ..Text::new(RichText::parse(title)?, at, 1.2 * theme.size)
-    };
-    Ok(vec![Item::Text(text)])
+    let (lines, size) = title_lines(title, page.width, theme)?;
+    let lines = lines.into_iter().enumerate().map(|(i, line)| {
+        let down = TITLE * LEADING * theme.size * i as f64;
+        let at = [0.5 * page.width, 0.7 * theme.size + down];
+        Item::Text(Text {
+            anchor: Anchor {
+                x: AnchorX::Middle,
+                y: AnchorY::Top,
+            },
+            colour: theme.ink,
+            ..Text::new(line, at, size)
+        })
+    });
+    Ok(lines.collect())
 }

@@ -31,8 +31,7 @@ pub(super) struct Map {
 impl Page {
     /// A page for `panels`, with `head` points above and `foot` below them.
     pub fn new(panels: &[Panel], style: &Style, head: f64, foot: f64) -> Page {
-        let columns = style.columns.map_or(usize::MAX, |columns| columns as usize);
-        let columns = columns.clamp(1, panels.len().max(1));
+        let columns = columns(panels.len(), style);
         let rows = panels.len().max(1).div_ceil(columns) as f64;
         let em = style.font_size;
         // The axes of a room are along its edges, and their labels beyond.
@@ -42,7 +41,7 @@ impl Page {
         // Several views are named above.
         let names = if panels.len() > 1 { 1.1 * em } else { 0.0 };
         let above = 1.1 * em + names;
-        let width = style.width.unwrap_or(WIDTH * columns as f64);
+        let width = width(panels.len(), style);
         let cell = width / columns as f64;
         let width_left = (cell - 2.0 * side).max(1.0);
         let highest = match style.height {
@@ -75,6 +74,18 @@ impl Page {
             height: style.height.unwrap_or(head + rows * line + foot),
         }
     }
+}
+
+/// How many of `panels` views stand side by side.
+fn columns(panels: usize, style: &Style) -> usize {
+    let columns = style.columns.map_or(usize::MAX, |columns| columns as usize);
+    columns.clamp(1, panels.max(1))
+}
+
+/// Width of a page for `panels` views, points.
+pub(super) fn width(panels: usize, style: &Style) -> f64 {
+    let default = WIDTH * columns(panels, style) as f64;
+    style.width.unwrap_or(default)
 }
 
 /// Width and height on the page, in the diagram's unit.

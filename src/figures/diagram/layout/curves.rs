@@ -35,8 +35,21 @@ fn world_line(view: &View, limits: &Limits, line: &NamedLine) -> WorldLine {
         curve: curve(view, limits, &line.track, times),
         ticks: ticks(view, limits, line, times),
         label: line.label.clone(),
+        projected: is_projected(view, &line.track, times),
         colour: line.colour,
     }
+}
+
+/// Whether a world line moves across the directions that are drawn, in the view's coordinates.
+fn is_projected(view: &View, track: &Track, [from, to]: [f64; 2]) -> bool {
+    let steps = (0..=PIECES).filter(|_| from < to);
+    let times = steps.map(|k| from + (to - from) * f64::from(k) / f64::from(PIECES));
+    let events: Vec<_> = times
+        .filter_map(|time| Some(track.at(time)?.event))
+        .collect();
+    events
+        .windows(2)
+        .any(|pair| view.is_beside(pair[0], pair[1]))
 }
 
 /// Proper times between which a world line is within the view's times.

@@ -3,6 +3,7 @@
 mod axes;
 mod curves;
 mod limits;
+mod notes;
 mod now;
 mod solid;
 mod types;
@@ -10,18 +11,21 @@ mod view;
 
 use crate::figures::diagram::model::{Diagram, Segment, SliceKind, Spot};
 pub(crate) use axes::tick_step;
+pub(crate) use notes::of as notes;
 pub use types::{
     Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
-    Nappe, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine,
+    Nappe, Note, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine,
 };
 pub(crate) use types::{around, number};
 use view::View;
 
 /// Lays a diagram out, one panel for each of its views.
 pub fn layout(diagram: &Diagram) -> Layout {
+    let panels: Vec<Panel> = diagram.views.iter().map(|i| panel(diagram, *i)).collect();
     Layout {
         title: diagram.title.clone(),
-        panels: diagram.views.iter().map(|i| panel(diagram, *i)).collect(),
+        notes: notes(diagram, &panels),
+        panels,
     }
 }
 

@@ -33,6 +33,7 @@ pub struct Point {
 
 /// How the points of a diagram are drawn on the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Projection {
     /// 1+1 dimensions: as they are.
     Plane,
@@ -48,6 +49,18 @@ pub struct Layout {
     pub title: Option<String>,
     /// Views side by side.
     pub panels: Vec<Panel>,
+    /// Lines below: what is left out, what is a projection, and along which direction of the world x is measured.
+    pub notes: Vec<Note>,
+}
+
+/// A line below a diagram.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Note {
+    /// Markup.
+    pub text: String,
+    /// The colour; `None` for that of the ink.
+    pub colour: Option<Colour>,
 }
 
 /// The diagram in one frame's coordinates.
@@ -170,6 +183,8 @@ pub struct WorldLine {
     pub ticks: Vec<Tick>,
     /// Its label.
     pub label: Option<String>,
+    /// Whether it leaves the plane (in 2+1 dimensions: the space) of the diagram, so that its projection is drawn, steeper than it is.
+    pub projected: bool,
     /// The colour; `None` for the next of the palette.
     pub colour: Option<Colour>,
 }

@@ -6,6 +6,9 @@ use super::types::Point;
 use crate::figures::diagram::model::{Diagram, Reference};
 use crate::spacetime::{Displacement, Event, InertialFrame, Rest, World};
 
+/// The least speed across the directions that are drawn, in parts of that of light, that a reader could measure in a diagram.
+const VISIBLE: f64 = 1e-4;
+
 /// A frame in whose coordinates a diagram is drawn.
 pub(super) struct View<'d> {
     pub diagram: &'d Diagram,
@@ -51,16 +54,27 @@ impl<'d> View<'d> {
         Point::deep(ct / unit, self.diagram.direction.dot(x) / unit, across)
     }
 
-    /// Whether the way between two events has a part across the directions that are drawn.
+    /// Whether the light between two events has a part across the directions that are drawn.
     pub fn leaves(&self, [from, to]: [Event<World>; 2]) -> bool {
         let step = self.frame().frame_from_world().displacement(to - from);
+        // Rounding leaves far less, and anything visible is far more.
+        self.part_beside(step.x).length() > 1e-6 * step.x.length()
+    }
+
+    /// Whether a clock that goes from one event to another moves across the directions that are drawn, at a visible part of the speed of
+    /// light.
+    pub fn is_beside(&self, from: Event<World>, to: Event<World>) -> bool {
+        let step = self.frame().frame_from_world().displacement(to - from);
+        self.part_beside(step.x).length() > VISIBLE * step.ct.abs()
+    }
+
+    /// The part of a displacement across the directions that are drawn.
+    fn part_beside(&self, x: DVec3) -> DVec3 {
         let (n, m) = (
             self.diagram.direction,
             self.diagram.across.unwrap_or_default(),
         );
-        let across = step.x - n * n.dot(step.x) - m * m.dot(step.x);
-        // Rounding leaves far less, and anything visible is far more.
-        across.length() > 1e-6 * step.x.length()
+        x - n * n.dot(x) - m * m.dot(x)
     }
 
     /// Whether the diagram has 2+1 dimensions.

@@ -77,6 +77,7 @@ pub(super) fn of_scene<T>(
     if let Some(camera) = &scene.camera {
         film(scene, camera, diagram);
     }
+    diagram.notes.extend(left_out(scene));
     for body in scene.objects.iter().take(MOST) {
         let name = settable(cx, at, &escaped(&body.name)).unwrap_or_else(|_| "object".into());
         add_body(diagram, name, scene::object_track(body));
@@ -99,6 +100,16 @@ pub(super) fn of_scene<T>(
         return Err(cx.refuse(at, what, help));
     }
     Ok(())
+}
+
+/// The note on objects beyond those that are drawn.
+fn left_out(scene: &Kinematics) -> Option<String> {
+    let all = scene.objects.len();
+    let rest = all.checked_sub(MOST).filter(|rest| *rest > 0)?;
+    let verb = if rest == 1 { "is" } else { "are" };
+    Some(format!(
+        "{rest} of {all} objects {verb} left out: [[diagram.worldline]] with of = \"NAME\" draws any"
+    ))
 }
 
 fn film(scene: &Kinematics, camera: &CameraMotion, diagram: &mut Diagram) {

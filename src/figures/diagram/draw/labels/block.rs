@@ -9,11 +9,13 @@ use crate::figures::text::{Rect, RichText};
 const MOST_LINES: usize = 6;
 const MOST_PARTS: usize = 64;
 /// From baseline to baseline, in the type's size.
-const LEADING: f64 = 1.25;
+pub(in crate::figures::diagram::draw) const LEADING: f64 = 1.25;
 
 /// Lines of text, one below the other.
 pub(super) struct Block {
     lines: Vec<Line>,
+    /// Of the type, points.
+    pub size: f64,
     /// From baseline to baseline, points.
     step: f64,
 }
@@ -29,7 +31,7 @@ impl Block {
     /// The possible layouts of `markup`: in one line, then in more and more lines of similar width.
     pub fn all(markup: &str, size: f64) -> Result<Vec<Block>> {
         let mut all = vec![Block::of(&[markup], size)?];
-        let parts = parts(markup);
+        let parts = parts(markup, &[',', ':']);
         let lengths: Vec<usize> = parts.iter().map(|part| part.chars().count()).collect();
         for count in 2..=MOST_LINES.min(parts.len()) {
             // The smallest width for which this number of lines holds the parts in order.
@@ -50,8 +52,18 @@ impl Block {
     }
 
     fn of(lines: &[&str], size: f64) -> Result<Block> {
-        let line = |markup: &&str| {
-            let text = RichText::parse(markup)?;
+        let lines = lines.iter().map(|markup| RichText::parse(markup));
+        Block::set(lines.collect::<Result<_>>()?, size)
+    }
+
+    /// Broken between words so that it is at most `room` points wide.
+    pub fn within(room: f64, markup: &str, size: f64) -> Result<Block> {
+        let (lines, size) = wrapped(markup, size, room)?;
+        Block::set(lines, size)
+    }
+
+    fn set(lines: Vec<RichText>, size: f64) -> Result<Block> {
+        let line = |text: RichText| {
             Ok(Line {
                 width: text.width(size)?,
                 ink: text.bounds(size)?,
@@ -59,9 +71,16 @@ impl Block {
             })
         };
         Ok(Block {
-            lines: lines.iter().map(line).collect::<Result<_>>()?,
+            lines: lines.into_iter().map(line).collect::<Result<_>>()?,
+            size,
             step: LEADING * size,
         })
+    }
+
+    /// The width of its longest line, points.
+    pub fn width(&self) -> f64 {
+        let widths = self.lines.iter().map(|line| line.width);
+        widths.fold(0.0, f64::max)
     }
 
     /// Number of lines.
@@ -103,22 +122,62 @@ impl Block {
     }
 }
 
-/// The parts between which a label may be broken: after commas and colons that no markup spans.
-fn parts(markup: &str) -> Vec<&str> {
+/// The lines of `markup` in type of this size, broken between words so that none is wider than `room`, and the size: smaller if
+/// something that cannot be broken would be wider.
+pub(in crate::figures::diagram::draw) fn wrapped(
+    markup: &str,
+    size: f64,
+    room: f64,
+) -> Result<(Vec<RichText>, f64)> {
+    let whole = RichText::parse(markup)?;
+    if whole.width(size)? <= room {
+        return Ok((vec![whole], size));
+    }
+    let mut lines: Vec<(String, RichText)> = Vec::new();
+    for part in parts(markup, &[]) {
+        let longer = lines.last().map(|(line, _)| format!("{line}{part}"));
+        if let Some(longer) = longer {
+            let text = RichText::parse(longer.trim())?;
+            if text.width(size)? <= room {
+                lines.pop();
+                lines.push((longer, text));
+                continue;
+            }
+        }
+        lines.push((part.to_string(), RichText::parse(part.trim())?));
+    }
+    let mut widest = 0.0;
+    for (_, text) in &lines {
+        widest = text.width(size)?.max(widest);
+    }
+    let fits = if widest > room { room / widest } else { 1.0 };
+    Ok((
+        lines.into_iter().map(|(_, text)| text).collect(),
+        size * fits,
+    ))
+}
+
+/// The parts between which a label may be broken where no markup spans: at spaces after one of `after`, or if that is empty at all.
+fn parts<'m>(markup: &'m str, after: &[char]) -> Vec<&'m str> {
+    let most = if after.is_empty() {
+        usize::MAX
+    } else {
+        MOST_PARTS
+    };
     let mut parts = Vec::new();
     let mut from = 0;
-    for (comma, _) in markup.match_indices([',', ':']) {
-        let end = comma + 2;
+    for (space, _) in markup.match_indices(' ') {
+        let is_there = after.is_empty() || markup[..space].ends_with(after);
+        let end = space + 1;
+        if !is_there {
+            continue;
+        }
         let Some((head, rest)) = markup.split_at_checked(end) else {
             continue;
         };
         let is_whole = |text: &str| RichText::parse(text.trim()).is_ok();
         let is_break = head.ends_with(' ') && !rest.trim().is_empty();
-        if is_break
-            && parts.len() + 1 < MOST_PARTS
-            && is_whole(&markup[from..end])
-            && is_whole(rest)
-        {
+        if is_break && parts.len() + 1 < most && is_whole(&markup[from..end]) && is_whole(rest) {
             parts.push(&markup[from..end]);
             from = end;
         }

@@ -68,6 +68,11 @@ impl Ground {
         }
     }
 
+    /// Of the page, points.
+    pub fn width(&self) -> f64 {
+        self.page.max[0] - self.page.min[0]
+    }
+
     /// Has the lines to come be seen within `rect` only.
     pub fn within(&mut self, rect: Rect) {
         self.clip = rect;

@@ -21,6 +21,7 @@ use crate::error::Result;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Stroke, Text};
 use crate::figures::text::Rect;
 use block::Block;
+pub(super) use block::{LEADING, wrapped};
 use geometry::{Grid, distance, moved};
 pub(super) use geometry::{is_inside, widened, without};
 pub(super) use ground::Ground;
@@ -39,6 +40,8 @@ const NEXT_DIRECTION: f64 = 0.6;
 const FARTHER: f64 = 0.45;
 /// Of each line more than one.
 const NEXT_LINE: f64 = 20.0;
+/// Of a label that is broken between words, into any number of lines: less than that of one that is off the page, even on lines.
+const BROKEN: f64 = 300.0;
 /// By how much the position in the previous frame of a series is preferred.
 const HABIT: f64 = 20.0;
 /// The most that a label moves between frames of a series, points; it moves along with a faster point.
@@ -265,7 +268,7 @@ pub(super) fn roomier(
     let room = |requests: &[Request]| -> Result<i32> {
         let mut count = 0;
         for request in requests {
-            let mut all = candidates(request)?.into_iter();
+            let mut all = candidates(request, ground)?.into_iter();
             let is_free = |it: &Candidate| {
                 it.preference + ground.cost(it.rect, widened(it.rect, AIR)) < TOO_MUCH
             };
@@ -439,7 +442,7 @@ impl<'a> Label<'a> {
     ) -> Result<Label<'a>> {
         let name = request.key.as_ref().unwrap_or(&request.text);
         let key = (name.clone(), count);
-        let mut candidates = candidates(request)?;
+        let mut candidates = candidates(request, ground)?;
         if request.key.is_some() {
             for candidate in &mut candidates {
                 candidate.preference += ground.passed(widened(candidate.rect, AIR));
@@ -537,10 +540,22 @@ fn middle(rect: Rect) -> [f64; 2] {
 }
 
 /// All places of a label, in the order of the request.
-fn candidates(request: &Request) -> Result<Vec<Candidate>> {
+fn candidates(request: &Request, ground: &Ground) -> Result<Vec<Candidate>> {
     let mut all = Vec::new();
-    for block in Block::all(&request.text, request.size)? {
-        let lines = NEXT_LINE * (block.count() - 1) as f64;
+    let blocks = Block::all(&request.text, request.size)?;
+    let narrowest = blocks
+        .iter()
+        .map(Block::width)
+        .fold(f64::INFINITY, f64::min);
+    // So wide a label has room on one side of any point, between words if need be.
+    let room = 0.4 * ground.width();
+    let broken = match narrowest > room {
+        true => Some(Block::within(room, &request.text, request.size)?),
+        false => None,
+    };
+    let lines = |block: &Block| NEXT_LINE * (block.count() - 1) as f64;
+    let blocks = blocks.into_iter().map(|block| (lines(&block), block));
+    for (lines, block) in blocks.chain(broken.map(|block| (BROKEN, block))) {
         for &distance in &request.distances {
             for (a, &anchor) in request.anchors.iter().enumerate() {
                 for (d, &direction) in request.directions.iter().enumerate() {
@@ -587,8 +602,8 @@ fn beside(
     let texts = block.lines(height).map(|(line, down)| Text {
         anchor,
         colour: request.colour,
-        ..Text::new(line.clone(), [x, y + down], request.size)
+        ..Text::new(line.clone(), [x, y + down], block.size)
     });
-    let ink = block.ink(height, |width| anchor.offset(width, request.size));
+    let ink = block.ink(height, |width| anchor.offset(width, block.size));
     (texts.collect(), moved(ink, [x, y]))
 }

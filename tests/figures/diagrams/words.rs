@@ -46,6 +46,97 @@ fn speeds_of_frames_in_a_title_are_those_that_velocities_make() {
 }
 
 #[test]
+fn no_speed_below_that_of_light_reads_as_1() {
+    let one = |velocity: &str| {
+        let text = format!(
+            "title = \"{{frame.A.velocity}}\"\nframe = [{{ name = \"A\", velocity = {velocity} }}]\n"
+        );
+        title(&text, &[])
+    };
+    assert_eq!(one("0.99996"), "0.99996");
+    assert_eq!(one("-0.9999"), "−0.9999");
+    assert_eq!(one("0.123456"), "0.1235");
+    // Two digits of 1 − β = 1.234·10⁻⁶.
+    assert_eq!(one("0.999998766"), "0.9999988");
+    let frames = "title = \"{frame.S''.speed}\"\nframe = [{ name = \"S'\", velocity = 0.9999 }, \
+                  { name = \"S''\", velocity = 0.5, relative_to = \"S'\" }]\n";
+    // (0.9999 + 0.5)/(1 + 0.49995) = 0.99996667.
+    assert_eq!(title(frames, &[]), "0.999967");
+    // γ = 10¹⁰: 1 − β = 1/(2γ²).
+    let gamma =
+        "title = \"{frame.A.speed}\"\nframe = [{ name = \"A\", velocity = { gamma = 1e10 } }]\n";
+    assert_eq!(title(gamma, &[]), "1 − 5·10^{−21}");
+}
+
+#[test]
+fn the_speed_of_a_frame_is_known_however_the_file_gives_it() {
+    let speed = |frame: &str| {
+        let text = format!(
+            "title = \"{{frame.A.speed}}, {{frame.A.beta}}\"\nframe = [{{ name = \"A\", {frame} }}]\n\
+             worldline = [{{ name = \"ship\", velocity = -0.6 }}]\n"
+        );
+        title(&text, &[])
+    };
+    assert_eq!(speed("velocity = -0.8"), "0.8, −0.8");
+    assert_eq!(speed("velocity = 0"), "0, 0");
+    // √(1 − 1/2²)
+    assert_eq!(speed("velocity = { gamma = 2 }"), "0.866, 0.866");
+    assert_eq!(speed("of = \"ship\""), "0.6, −0.6");
+    // Labels, too.
+    let text = "frame = [{ name = \"A\", of = \"ship\" }]\nworldline = [{ name = \"ship\", velocity = 0.6 }]\n\
+                event = [{ name = \"E\", at = [1, 0], label = \"at {frame.0.speed}\" }]\nx = [-1, 1]\nct = [-1, 2]\n";
+    event(&panel(text), "at 0.6");
+}
+
+#[test]
+fn the_mistake_in_a_frame_is_reported_and_not_the_key_of_its_speed() {
+    let text = "[diagram]\ntitle = \"{frame.A.speed}\"\nframe = [{ name = \"A\", velocity = 1 }]";
+    let error = parsed(text).unwrap_err().to_string();
+    assert!(
+        error.contains("frame[0].velocity") && error.contains("not below 1"),
+        "{error}"
+    );
+    let error = parsed(&text.replace("{frame.A", "{frame.B"))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("no key"), "{error}");
+}
+
+#[test]
+fn titles_and_labels_wider_than_the_page_are_broken_or_smaller() {
+    let long = "An extremely long title that surely will not fit in the width of a page of one hundred and twenty \
+                millimetres and hence has several lines";
+    let word = "unbreakable".repeat(12);
+    for words in [long, &word] {
+        let text = format!(
+            "[diagram]\ntitle = \"{words}\"\nworldline = [{{ name = \"a\", velocity = 0.2 }}, {{ name = \"{words}\", velocity = 0.5 }}]"
+        );
+        let mut model = parsed(&text).unwrap();
+        for (width, legend) in [(None, false), (Some(150.0), false), (None, true)] {
+            model.style.width = width;
+            model.style.legend = legend;
+            let drawing = diagram::draw(&diagram::layout(&model), &model.style).unwrap();
+            let mut shown = String::new();
+            for item in &drawing.items {
+                let Item::Text(text) = item else { continue };
+                let rect = text.bounds().unwrap();
+                let is_in = rect.min[0] >= 0.0
+                    && rect.max[0] <= drawing.width
+                    && rect.min[1] >= 0.0
+                    && rect.max[1] <= drawing.height;
+                assert!(is_in, "{}: {rect:?}", text.text.text());
+                shown += &text.text.text();
+                shown.push(' ');
+            }
+            // All of its words, in the title and in the label.
+            for word in words.split(' ') {
+                assert!(shown.matches(word).count() >= 2, "{word}: {shown}");
+            }
+        }
+    }
+}
+
+#[test]
 fn titles_of_the_classics_name_the_speed_that_is_set() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/diagrams");
     for (file, key) in [

@@ -16,7 +16,7 @@ pub use types::{
     Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
     Nappe, Note, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine,
 };
-pub(crate) use types::{around, number};
+pub(crate) use types::{around, number, speed, speed_with_rest};
 use view::View;
 
 /// Lays a diagram out, one panel for each of its views.

@@ -564,6 +564,32 @@ impl Plane {
     }
 }
 
+/// The most decimals of a speed: f64 holds no more near 1.
+const MOST_DECIMALS: i32 = 15;
+
+/// The β = tanh w of a rapidity.
+pub(crate) fn speed(rapidity: f64) -> String {
+    // 1 − tanh w = 2/(e^{2w} + 1), which does not cancel.
+    let rest = 2.0 / (libm::exp(2.0 * rapidity.abs()) + 1.0);
+    speed_with_rest(libm::tanh(rapidity), rest)
+}
+
+/// β as [`number`], but with as many digits as two digits of `rest` = 1 − |β| take, so that no speed reads as that of light.
+pub(crate) fn speed_with_rest(beta: f64, rest: f64) -> String {
+    if rest.is_nan() || rest <= 0.0 {
+        return number(beta);
+    }
+    match 1 - libm::floor(libm::log10(rest)) as i32 {
+        ..=4 => number(beta),
+        decimals @ ..=MOST_DECIMALS => {
+            let text = format!("{beta:.0$}", decimals as usize);
+            text.trim_end_matches('0').to_string()
+        }
+        _ if beta < 0.0 => format!("−(1 − {})", number(rest)),
+        _ => format!("1 − {}", number(rest)),
+    }
+}
+
 /// A number with four digits, as short as possible.
 pub(crate) fn number(value: f64) -> String {
     if value == 0.0 {

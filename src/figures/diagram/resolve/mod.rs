@@ -64,6 +64,12 @@ pub(super) fn resolve(
     if content::is_empty(said) {
         content::of_scene(cx, at, scene, &mut diagram)?;
     }
+    let frames: Vec<&str> = said
+        .frame
+        .iter()
+        .map(|at| at.value.name.value.as_str())
+        .collect();
+    placeholder::fill_speeds(&mut diagram, &frames);
     content::refuse_empty_limits(cx, said, &diagram)?;
     Ok(diagram)
 }

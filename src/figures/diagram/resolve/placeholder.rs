@@ -1,24 +1,114 @@
 //! Keys within text: `{frame.S'.velocity}` is replaced by the value of this key of `[diagram]`, after `--set`.
 //!
 //! An entry of a list is addressed by its name, or by its number from 0, as in `--set`. Braces of subscripts and superscripts, and those
-//! without a dot, group as usual. `{frame.S''.speed}` is the speed in the world that results from the velocities of a frame and of those
-//! that it is relative to: their rapidities, artanh β, add.
+//! without a dot, group as usual. Two keys are not in the file: `{frame.S''.speed}` is the speed of a frame in the world, from 0 to 1, and
+//! `{frame.S''.beta}` its component along x, with its sign, however the file gives the frame's motion. They are filled in by
+//! [`fill_speeds`] when the frames are known.
 
 use std::str::FromStr;
 
 use toml_edit::{DocumentMut, Item, Table, Value};
 
 use crate::error::Result;
-use crate::figures::diagram::layout::number;
+use crate::figures::diagram::layout::{number, speed, speed_with_rest};
+use crate::figures::diagram::model::Diagram;
 use crate::figures::text::rich::escaped;
 use crate::scene::{At, Context};
 use crate::spacetime::units::quoted;
 
-/// The longest chain of frames relative to each other for a speed.
-const MOST: u32 = 100;
+/// The frames that exist whether the file has them or not.
+const GIVEN: [&str; 2] = ["world", "camera"];
 
-/// `text`, which comes from `at`, with the values of its keys.
+/// `text`, which comes from `at`, with the values of its keys but those of the speeds of frames.
 pub(super) fn filled<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
+    replaced(text, |key| value(cx, at, key))
+}
+
+/// Markup of about the same length without keys of speeds, to check whether `text` can be set.
+pub(super) fn with_any_speeds(text: &str) -> String {
+    let any = replaced(text, |_| Ok("0.8".into()));
+    any.unwrap_or_else(|_| text.into())
+}
+
+/// Fills the speeds of frames into all texts of a diagram.
+pub(super) fn fill_speeds(diagram: &mut Diagram, frames_of_file: &[&str]) {
+    let frames = diagram.frames.clone();
+    let direction = diagram.direction;
+    let value = |key: &str| {
+        let (name, is_speed) = speed_key(key)?;
+        let index = frames_of_file.iter().position(|known| *known == name);
+        // Before those of the file is the world, and after them the camera.
+        let index = index.or_else(|| name.parse().ok()).map(|i| i + 1);
+        let named = || frames.iter().position(|frame| frame.name == name);
+        let frame = frames.get(index.or_else(named)?)?;
+        let rapidity = frame.frame.velocity().rapidity();
+        let along = match is_speed {
+            true => speed(rapidity.length()),
+            // β_x = |β| (w_x/|w|)
+            false if rapidity.length() == 0.0 => speed(0.0),
+            false => {
+                let part = direction.dot(rapidity) / rapidity.length();
+                match part.abs() > 1.0 - 1e-12 {
+                    true => speed(rapidity.length().copysign(part)),
+                    false => number(libm::tanh(rapidity.length()) * part),
+                }
+            }
+        };
+        Some(signed(&along))
+    };
+    each_text(diagram, |text| {
+        let filled = replaced(text, |key| {
+            Ok(value(key).unwrap_or_else(|| format!("{{{key}}}")))
+        });
+        if let Ok(filled) = filled {
+            *text = filled;
+        }
+    });
+}
+
+/// Changes the title and all labels.
+fn each_text(diagram: &mut Diagram, change: impl Fn(&mut String)) {
+    let Diagram {
+        title,
+        labels,
+        lines,
+        events,
+        signals,
+        slices,
+        intervals,
+        hyperbolae,
+        curves,
+        sheets,
+        regions,
+        arrows,
+        wedges,
+        texts,
+        ..
+    } = diagram;
+    let spots = events.iter_mut().chain(texts).map(|it| &mut it.label);
+    let segments = signals.iter_mut().chain(intervals).chain(arrows);
+    let all = spots
+        .chain(segments.map(|it| &mut it.label))
+        .chain(lines.iter_mut().map(|it| &mut it.label))
+        .chain(slices.iter_mut().map(|it| &mut it.label))
+        .chain(hyperbolae.iter_mut().map(|it| &mut it.label))
+        .chain(curves.iter_mut().map(|it| &mut it.label))
+        .chain(sheets.iter_mut().map(|it| &mut it.label))
+        .chain(regions.iter_mut().map(|it| &mut it.label))
+        .chain(wedges.iter_mut().map(|it| &mut it.label));
+    let all = all.chain([title]).flatten();
+    all.chain(labels.iter_mut().flatten()).for_each(change);
+}
+
+/// The frame whose speed (or else component of β along x) a key means.
+fn speed_key(key: &str) -> Option<(&str, bool)> {
+    let rest = key.strip_prefix("frame.")?;
+    let speed = rest.strip_suffix(".speed").map(|name| (name, true));
+    speed.or_else(|| Some((rest.strip_suffix(".beta")?, false)))
+}
+
+/// `text` with its keys replaced.
+fn replaced(text: &str, value: impl Fn(&str) -> Result<String>) -> Result<String> {
     let mut filled = String::new();
     let mut rest = text;
     let mut before = None;
@@ -30,7 +120,7 @@ pub(super) fn filled<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> 
         };
         match key {
             Some(key) => {
-                filled.push_str(&value(cx, at, key)?);
+                filled.push_str(&value(key)?);
                 rest = &rest[key.len() + 2..];
                 before = Some('}');
             }
@@ -57,10 +147,13 @@ fn key(text: &str) -> Option<&str> {
 /// Markup of the value of `key` in `[diagram]`.
 fn value<T>(cx: &Context, at: &At<T>, key: &str) -> Result<String> {
     let document = DocumentMut::from_str(&cx.report.text.edited).unwrap_or_default();
-    let speed = key.strip_suffix(".speed");
-    let speed = speed.and_then(|frame| rapidity(&document, frame.strip_prefix("frame.")?, MOST));
-    if let Some(rapidity) = speed {
-        return Ok(signed(&number(libm::tanh(rapidity))));
+    if let Some((name, _)) = speed_key(key) {
+        let is_known =
+            GIVEN.contains(&name) || entry(&document, &format!("frame.{name}")).is_some();
+        if is_known {
+            // The frames are not known yet.
+            return Ok(format!("{{{key}}}"));
+        }
     }
     let found = entry(&document, key);
     let value = match &found {
@@ -70,6 +163,10 @@ fn value<T>(cx: &Context, at: &At<T>, key: &str) -> Result<String> {
     };
     match value {
         Some(Value::Integer(value)) => Ok(signed(&value.value().to_string())),
+        Some(Value::Float(value)) if key.ends_with(".velocity") => {
+            let beta = *value.value();
+            Ok(signed(&speed_with_rest(beta, 1.0 - beta.abs())))
+        }
         Some(Value::Float(value)) => Ok(signed(&number(*value.value()))),
         Some(Value::String(value)) => Ok(escaped(value.value())),
         _ => {
@@ -89,26 +186,6 @@ fn entry<'d>(document: &'d DocumentMut, key: &str) -> Option<Node<'d>> {
         found = found.and_then(|node| node.entry(part));
     }
     found
-}
-
-/// The rapidity of a frame in the world; `None` if a velocity is not a number, and after `most` frames.
-fn rapidity(document: &DocumentMut, frame: &str, most: u32) -> Option<f64> {
-    let key = |key: &str| entry(document, &format!("frame.{frame}.{key}"));
-    let beta = match key("velocity")? {
-        Node::Item(item) => item.as_float(),
-        Node::Value(value) => value.as_float(),
-        Node::Table(_) => None,
-    };
-    let own = libm::atanh(beta?);
-    let name = key("relative_to").and_then(|node| match node {
-        Node::Item(item) => item.as_str().map(str::to_owned),
-        Node::Value(value) => value.as_str().map(str::to_owned),
-        Node::Table(_) => None,
-    });
-    match name.as_deref() {
-        None | Some("world") => Some(own),
-        Some(other) => Some(own + rapidity(document, other, most.checked_sub(1)?)?),
-    }
 }
 
 /// With a minus sign instead of a hyphen.

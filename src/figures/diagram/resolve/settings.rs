@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::placeholder::filled;
+use super::placeholder::{filled, with_any_speeds};
 use crate::error::{Error, Result};
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{Style, Unit, part_across};
@@ -169,7 +169,7 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
         let what = format!("{count} characters do not fit on a line of a diagram");
         return Err(cx.refuse(at, what, format!("give at most {MOST_CHARACTERS}")));
     }
-    match RichText::parse(&text) {
+    match RichText::parse(&with_any_speeds(&text)) {
         Ok(_) => Ok(text),
         Err(Error::Invalid(problem) | Error::Unsupported(problem)) => {
             Err(cx.refuse(at, problem.what.to_string(), problem.help.to_string()))

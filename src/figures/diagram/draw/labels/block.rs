@@ -11,6 +11,9 @@ const MOST_PARTS: usize = 64;
 /// From baseline to baseline, in the type's size.
 pub(in crate::figures::diagram::draw) const LEADING: f64 = 1.25;
 
+/// Type that is smaller than this cannot be read in any case, points.
+const SMALLEST: f64 = 1.0;
+
 /// Lines of text, one below the other.
 pub(super) struct Block {
     lines: Vec<Line>,
@@ -56,10 +59,18 @@ impl Block {
         Block::set(lines.collect::<Result<_>>()?, size)
     }
 
-    /// Broken between words so that it is at most `room` points wide.
-    pub fn within(room: f64, markup: &str, size: f64) -> Result<Block> {
-        let (lines, size) = wrapped(markup, size, room)?;
-        Block::set(lines, size)
+    /// Broken between words so that it is at most `room` points wide and high; smaller if that needs too many lines.
+    pub fn within(room: [f64; 2], markup: &str, size: f64) -> Result<Block> {
+        let mut wanted = size;
+        loop {
+            let (lines, size) = wrapped(markup, wanted, room[0])?;
+            let height = LEADING * size * lines.len() as f64;
+            // At half the size there is half the number of lines, each of half the height.
+            if height <= room[1] || size < SMALLEST {
+                return Block::set(lines, size);
+            }
+            wanted = 0.85 * size;
+        }
     }
 
     fn set(lines: Vec<RichText>, size: f64) -> Result<Block> {

@@ -68,9 +68,9 @@ impl Ground {
         }
     }
 
-    /// Of the page, points.
-    pub fn width(&self) -> f64 {
-        self.page.max[0] - self.page.min[0]
+    /// Width and height of the page, points.
+    pub fn size(&self) -> [f64; 2] {
+        self.page.size()
     }
 
     /// Has the lines to come be seen within `rect` only.

@@ -547,9 +547,9 @@ fn candidates(request: &Request, ground: &Ground) -> Result<Vec<Candidate>> {
         .iter()
         .map(Block::width)
         .fold(f64::INFINITY, f64::min);
-    // So wide a label has room on one side of any point, between words if need be.
-    let room = 0.4 * ground.width();
-    let broken = match narrowest > room {
+    // A label of this size has room on one side of any point, between words if need be.
+    let room = ground.size().map(|side| 0.4 * side);
+    let broken = match narrowest > room[0] {
         true => Some(Block::within(room, &request.text, request.size)?),
         false => None,
     };

@@ -369,7 +369,13 @@ fn no_radiance(place: &Place, descr: &str) -> crate::Error {
         }
         _ => format!("samples of type {descr:?} cannot hold radiance"),
     };
-    let help =
-        "give f2, f4 or f8 samples, or integers: numpy.save(path, array.astype(numpy.float32))";
+    let help = match descr.as_str() {
+        "<c8" | "<c16" | ">c8" | ">c16" => {
+            "give radiance in bins of time: transform the film back from frequencies to times, and save it as f4"
+        }
+        _ => {
+            "give f2, f4 or f8 samples, or integers: numpy.save(path, array.astype(numpy.float32))"
+        }
+    };
     place.unsupported("header", what, help)
 }

@@ -11,6 +11,7 @@ mod emulated;
 mod export;
 mod exposure;
 mod film;
+mod flashes;
 mod frames;
 mod goals;
 mod info;

@@ -103,6 +103,13 @@ pub(super) fn weights(wavelength: f64) -> [f64; 3] {
     [r, g, b]
 }
 
+/// Σ c_j b_j: the reflectance, or transmittance, of these linear red, green and blue at a wavelength in metres.
+#[inline]
+pub(super) fn reflectance(wavelength: f64, [r, g, b]: [f64; 3]) -> f64 {
+    let of = weights(wavelength);
+    of[0] * r + of[1] * g + of[2] * b
+}
+
 /// The factors on Planck's law at [`WHITE_TEMPERATURE`] that give the radiances of red, green and blue below 360 nm (the first) and above
 /// 830 nm.
 pub(super) fn thermal() -> [[f64; 3]; 2] {

@@ -132,9 +132,8 @@ impl Line {
 
     /// The line reflected by a surface with these values for red, green and blue.
     #[inline]
-    pub fn reflected(self, [r, g, b]: [f64; 3]) -> Line {
-        let of = rgb_basis::weights(self.wavelength);
-        self.scaled(of[0] * r + of[1] * g + of[2] * b)
+    pub fn reflected(self, rgb: [f64; 3]) -> Line {
+        self.scaled(rgb_basis::reflectance(self.wavelength, rgb))
     }
 
     /// Linear sRGB, as an observer at rest sees it; below 0 outside the gamut.

@@ -294,7 +294,8 @@ impl<const N: usize> Reach<N> {
 
 /// The ratios at which an observer sees something of a spectrum; `None` if it has no end.
 fn reach(spectrum: &Spectrum) -> Option<[f64; 2]> {
-    let (from, to) = match spectrum.shape() {
+    // Filters end nowhere.
+    let (from, to) = match spectrum.shape().unfiltered() {
         // At 8 σ e⁻³² = 1e-14 of the peak is left; 9 keeps the shorter end above 0.
         SpectrumShape::Gaussian { centre, sigma } if *centre > 9.0 * sigma => {
             (centre - 8.0 * sigma, centre + 8.0 * sigma)

@@ -61,6 +61,8 @@ pub enum SpectrumShape {
     Table(Vec<[f64; 2]>),
     /// Linear sRGB, and its continuation outside 360 to 830 nm.
     Rgb([f64; 3], Continuation),
+    /// Another shape behind a filter at rest with its source, which transmits red, green and blue by these factors.
+    Filtered(Box<SpectrumShape>, [f64; 3]),
 }
 
 /// The scale of a shape's values.
@@ -123,6 +125,27 @@ impl Spectrum {
         }
     }
 
+    /// The same spectrum behind a filter at rest with its source, which transmits red, green and blue by these factors: Σ c_j b_j(λ) L(λ).
+    pub fn filtered(&self, rgb: [f64; 3]) -> Spectrum {
+        let [r, g, b] = rgb;
+        if r == g && g == b {
+            return self.scaled(r);
+        }
+        let shape = match &self.shape {
+            SpectrumShape::Lines(lines) => {
+                let behind = |&[wavelength, energy]: &[f64; 2]| {
+                    [wavelength, energy * rgb_basis::reflectance(wavelength, rgb)]
+                };
+                SpectrumShape::Lines(lines.iter().map(behind).collect())
+            }
+            other => SpectrumShape::Filtered(Box::new(other.clone()), rgb),
+        };
+        Spectrum {
+            shape,
+            factor: self.factor,
+        }
+    }
+
     /// L(λ), per metre, at a wavelength in metres; 0 for lines, which have none.
     pub fn per_wavelength(&self, wavelength: f64) -> f64 {
         self.factor * self.shape.per_wavelength(wavelength)
@@ -143,7 +166,8 @@ impl Spectrum {
             SpectrumShape::Blackbody(_)
             | SpectrumShape::Gaussian { .. }
             | SpectrumShape::Table(_)
-            | SpectrumShape::Rgb(..) => &[],
+            | SpectrumShape::Rgb(..)
+            | SpectrumShape::Filtered(..) => &[],
         };
         lines.iter().map(|&[wavelength, energy]| Line {
             wavelength,
@@ -157,7 +181,7 @@ impl Spectrum {
         matches!(self.shape, SpectrumShape::Lines(_))
     }
 
-    /// The sum over all wavelengths: ∫ L dλ. `None` for RGB, whose continuation need not have one.
+    /// The sum over all wavelengths: ∫ L dλ. `None` for RGB, whose continuation need not have one, and behind filters.
     pub fn total(&self) -> Option<f64> {
         let total = match &self.shape {
             SpectrumShape::Lines(lines) => lines.iter().map(|[_, energy]| energy).sum(),
@@ -168,7 +192,7 @@ impl Spectrum {
                     |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]) * 0.5 * (pair[0][1] + pair[1][1]);
                 rows.windows(2).map(trapezium).sum()
             }
-            SpectrumShape::Rgb(..) => return None,
+            SpectrumShape::Rgb(..) | SpectrumShape::Filtered(..) => return None,
         };
         Some(self.factor * total)
     }
@@ -261,6 +285,17 @@ impl SpectrumShape {
                 let basis = rgb_basis::radiances(wavelength, *continuation);
                 rgb[0] * basis[0] + rgb[1] * basis[1] + rgb[2] * basis[2]
             }
+            SpectrumShape::Filtered(light, rgb) => {
+                light.per_wavelength(wavelength) * rgb_basis::reflectance(wavelength, *rgb)
+            }
+        }
+    }
+
+    /// The shape without the filters before it.
+    pub(crate) fn unfiltered(&self) -> &SpectrumShape {
+        match self {
+            SpectrumShape::Filtered(light, _) => light.unfiltered(),
+            own => own,
         }
     }
 
@@ -277,6 +312,12 @@ impl SpectrumShape {
             }
             SpectrumShape::Table(rows) => rows.iter().map(|row| w * row[0]).collect(),
             SpectrumShape::Rgb(..) => rgb_basis::knots().map(|knot| w * knot).collect(),
+            SpectrumShape::Filtered(light, _) => {
+                let mut knots = light.knots(w);
+                knots.extend(rgb_basis::knots().map(|knot| w * knot));
+                knots.sort_unstable_by(f64::total_cmp);
+                knots
+            }
         }
     }
 }
@@ -399,6 +440,38 @@ mod tests {
 
     fn blackbody(t: f64) -> Spectrum {
         Spectrum::new(SpectrumShape::Blackbody(t), Scale::Factor(1.0)).unwrap()
+    }
+
+    #[test]
+    fn a_filter_is_shifted_with_its_light() {
+        // Against a plain sum over 0.1 nm of W⁻⁵ L(λ/W) F(λ/W); the filter is given at rest with the source.
+        let filter = [1.0, 0.05, 0.2];
+        let table = SpectrumShape::Table(vec![[400e-9, 1e6], [555e-9, 3e6], [720e-9, 2e6]]);
+        for shape in [SpectrumShape::Blackbody(5800.0), table] {
+            let bare = Spectrum::new(shape, Scale::Factor(1.0)).unwrap();
+            for w in [0.7, 1.0, 1.3] {
+                let mut sum = [0.0; 3];
+                for k in 0..4700 {
+                    let l = (360.05 + 0.1 * f64::from(k)) * 1e-9;
+                    let of = rgb_basis::weights(l / w);
+                    let part: f64 = (0..3).map(|j| of[j] * filter[j]).sum();
+                    let seen = bare.per_wavelength(l / w) * part / w.powi(5);
+                    let xyz = colour_matching(l);
+                    (0..3).for_each(|j| sum[j] += seen * xyz[j] * 1e-10);
+                }
+                let found = bare.filtered(filter).xyz_at(w);
+                for (found, sum) in found.into_iter().zip(sum) {
+                    assert!((found / sum - 1.0).abs() < 1e-4, "{w}: {found} {sum}");
+                }
+            }
+        }
+        // A filter only dims a single line, whose hue it cannot change.
+        let line = SpectrumShape::Lines(vec![[589e-9, 2.0]]);
+        let line = Spectrum::new(line, Scale::Factor(1.0)).unwrap();
+        let (bare, behind) = (line.colour_at(0.9), line.filtered(filter).colour_at(0.9));
+        let part = behind[0] / bare[0];
+        assert!(0.0 < part && part < 1.0);
+        (0..3).for_each(|k| assert!((behind[k] - part * bare[k]).abs() < 1e-12 * bare[0].abs()));
     }
 
     #[test]

@@ -51,7 +51,7 @@ pub(crate) use incidence::{Incidence, Kept};
 
 use super::Received;
 use crate::accel::vectors::BLOCK;
-use crate::colour::{ColourTable, Line, Wavelengths, basis_at, reflectances};
+use crate::colour::{ColourTable, Line, Spectrum, Wavelengths};
 use crate::scene::model::{self, Beam, Pulse};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{
@@ -64,7 +64,7 @@ pub struct Lamp {
     path: Path,
     beam: Cone,
     emission: Emission,
-    /// I or E_G, for each channel.
+    /// I or E_G, for each channel; all the same if it has a spectrum.
     intensity: [f64; 3],
     /// The quantity that surfaces receive.
     received: Received,
@@ -145,16 +145,22 @@ impl Lamp {
                 inner: libm::cos(inner),
             },
         };
+        // Colours on a spectrum are those of a filter that moves with the lamp.
+        let filtered = |bare: &Spectrum| match lamp.intensity {
+            [r, g, b] if r == g && g == b => (bare.clone(), lamp.intensity),
+            rgb => (bare.filtered(rgb), [1.0; 3]),
+        };
+        let (spectrum, intensity) = match lamp.spectrum.as_ref().map(filtered) {
+            Some((spectrum, grey)) => (Some(Arc::new(ColourTable::new(&spectrum))), grey),
+            None => (None, lamp.intensity),
+        };
         Lamp {
             path,
             beam,
             emission: Emission::from(&lamp.emission),
-            intensity: lamp.intensity,
+            intensity,
             received,
-            spectrum: lamp
-                .spectrum
-                .as_ref()
-                .map(|s| Arc::new(ColourTable::new(s))),
+            spectrum,
             shadows,
             pulse: None,
         }
@@ -298,10 +304,7 @@ impl Lamp {
     pub(crate) fn colour(&self, w: f64) -> [f64; 3] {
         match &self.spectrum {
             None => self.received.colour(w, self.intensity),
-            Some(table) => {
-                let colour = table.colour(w);
-                std::array::from_fn(|c| self.intensity[c] * colour[c])
-            }
+            Some(table) => table.colour(w).map(|c| c * self.intensity[0]),
         }
     }
 
@@ -312,13 +315,7 @@ impl Lamp {
             None => self.received.at(w, self.intensity, wavelengths),
             Some(table) => {
                 let seen = table.spectrum().at(w, wavelengths);
-                let [r, g, b] = self.intensity;
-                if r == g && g == b {
-                    return seen.map(|l| l * r);
-                }
-                // Colours on a spectrum are those of a filter in front of the lamp.
-                let filter = reflectances(&basis_at(wavelengths.map(|l| l / w)), self.intensity);
-                std::array::from_fn(|c| filter[c] * seen[c])
+                seen.map(|l| l * self.intensity[0])
             }
         }
     }
@@ -327,7 +324,7 @@ impl Lamp {
     pub(crate) fn lines(&self, w: f64) -> impl Iterator<Item = Line> {
         let spectrum = self.spectrum.as_ref().map(|table| table.spectrum());
         let lines = spectrum.into_iter().flat_map(|spectrum| spectrum.lines());
-        lines.map(move |line| line.reflected(self.intensity).received(w))
+        lines.map(move |line| line.scaled(self.intensity[0]).received(w))
     }
 
     /// Whether all its light is in lines.
@@ -447,7 +444,8 @@ fn inverse_within(x: f64) -> f64 {
 /// A lamp without acceleration: computed as at rest in its frame, and the null vector k = (−r_G, r_G d_G) is boosted to (−r, r d).
 ///
 /// One division serves all quotients: with q = 1/(r r_G²) they are d = (r d) q r_G², ω_G/ω_world = r_G/r = q r_G³, its inverse q r² r_G and
-/// 1/r_G² = q r. Each is accurate to a few eps, like the other results. Lamps farther than 10¹⁰² m, or nearer than its inverse, send no
+/// 1/r_G² = q r. Each is accurate to a few eps of what r_G is; where lamp and surface both move at γ in the world, r_G itself has lost γ² of
+/// these digits, as the world rounds events γ r_G away ([`plan`](crate::render::plan) says so before it shows). Lamps farther than 10¹⁰² m, or nearer than its inverse, send no
 /// light.
 struct Inertial<'a> {
     frame: &'a InertialFrame<CameraFrame>,

@@ -316,6 +316,49 @@ pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     notes.extend(unread_companions(scene));
     notes.extend(contradicted(scene));
     notes.extend(bright_colours(scene, objects));
+    notes.extend(lost_digits(scene, objects));
+    notes
+}
+
+/// Notes that surfaces are so fast in the world that light falling on them is computed with few digits.
+///
+/// An event at a distance r from a body, in its rest frame, is up to γ r away in the world, where it is rounded by 2⁻⁵³ γ r; a boost back
+/// makes that 2⁻⁵³ γ² r. So much is lost where light left a lamp if lamp and surface are both fast; rays that leave a surface start 2⁻⁴² γ²
+/// of their coordinates above it.
+fn lost_digits(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
+    // The smallest errors worth a note: of the light of lamps, and of where rays start, relative to the coordinates.
+    const LIGHT: f64 = 1e-5;
+    const CLEARANCE: f64 = 1e-3;
+    if !scene.is_lit() {
+        return Vec::new();
+    }
+    let reflects = |index: &usize| {
+        let mut materials = objects[*index].materials.iter();
+        materials.any(|name| matches!(lit_by(scene, *index, name), Lit::Reflecting(_)))
+    };
+    let surfaces = (0..objects.len()).filter(reflects);
+    let surfaces = surfaces.map(|index| scene.objects[index].velocity.gamma());
+    let surface = surfaces.fold(1.0, f64::max);
+    let lamps = scene.lights.iter().filter_map(|light| match &light.kind {
+        LightKind::Lamp(lamp) => Some(lamp.velocity.gamma()),
+        LightKind::Area { .. } => None,
+    });
+    let gamma = lamps.fold(1.0, f64::max).min(surface);
+    let mut notes = Vec::new();
+    let light = gamma * gamma * (-53.0f64).exp2();
+    if light > LIGHT {
+        notes.push(format!(
+            "lamps and surfaces move at γ = {gamma:.1e} in the world, where coordinates are rounded: the light of such lamps on such surfaces \
+             has relative errors of {light:.0e} and more (let the world move with them, and other things past them)"
+        ));
+    }
+    let clearance = surface * surface * (-42.0f64).exp2();
+    if scene.bounces > 0 && clearance > CLEARANCE {
+        notes.push(format!(
+            "surfaces move at γ = {surface:.1e} in the world, where coordinates are rounded: light that bounces starts {clearance:.0e} of its \
+             distance from the camera above them (let the world move with them, and other things past them)"
+        ));
+    }
     notes
 }
 

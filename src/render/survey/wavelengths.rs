@@ -30,7 +30,7 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared, seen: f64) -> Vec<(usize
     let is_colour_visible = |w: f64| first * w < last * seen && last * w > first * seen;
     let is_visible = |lamp: &model::Lamp, incident: f64, w: f64| match lamp.spectrum.as_ref() {
         None => is_colour_visible(w),
-        Some(spectrum) => match spectrum.shape() {
+        Some(spectrum) => match spectrum.shape().unfiltered() {
             SpectrumShape::Rgb(..) => is_colour_visible(w),
             SpectrumShape::Blackbody(t) => t / w * seen > COLDEST_GLOW,
             _ => incident > 0.0,

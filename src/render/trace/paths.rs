@@ -53,7 +53,8 @@
 //! ([`sampler`](crate::render::sampler)): the same on any number of threads.
 //!
 //! Rays start at 2⁻⁴² of the coordinates involved above their surface, 10⁻¹² m in a scene of metres: rounding displaces events by 2⁻⁵³ of
-//! their coordinates, multiplied by γ in boosts, to either side of the surface.
+//! their coordinates, multiplied by γ in boosts, to either side of the surface. Coordinates of a surface that moves at γ with the camera are γ
+//! times as large in the world, so that the clearance grows with γ² there: plans say when it is no longer small.
 //!
 //! In one rest frame with constant light, neighbouring diffuse points share what paths find beyond them: [`sharing`](super::sharing).
 //!

@@ -47,7 +47,8 @@ fn described(
         SpectrumShape::Lines(_)
         | SpectrumShape::Blackbody(_)
         | SpectrumShape::Gaussian { .. }
-        | SpectrumShape::Rgb(..) => None,
+        | SpectrumShape::Rgb(..)
+        | SpectrumShape::Filtered(..) => None,
     };
     let ends = ends.map(|(first, last)| [first[0], last[0]]);
     let unseen = || {

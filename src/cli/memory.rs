@@ -13,7 +13,7 @@ pub fn program(threads: Option<u16>) -> u64 {
     (36 << 20) + threads as u64 * (5 << 19)
 }
 
-/// The given limit, or three quarters of what the machine, or the container, has available.
+/// The given limit, or three quarters of what the machine, the container, or the limit on this process leaves.
 pub fn limit(said: Option<u64>) -> u64 {
     said.unwrap_or_else(|| available().unwrap_or(USUAL / 3 * 4) / 4 * 3)
 }
@@ -21,7 +21,7 @@ pub fn limit(said: Option<u64>) -> u64 {
 /// The bytes available to this process.
 fn available() -> Option<u64> {
     let containers = CONTAINERS.iter().filter_map(Container::left);
-    containers.chain(machine()).min()
+    containers.chain(machine()).chain(address_space()).min()
 }
 
 /// The files in which a version of control groups reports the memory limit and usage.
@@ -57,6 +57,22 @@ impl Container {
         let taken = number(self.taken).unwrap_or(0);
         Some(limit.saturating_sub(taken.saturating_sub(cache.unwrap_or(0))))
     }
+}
+
+/// The bytes left below the limit on this process's address space (`ulimit -v`, as batch systems set it); `None` without one.
+fn address_space() -> Option<u64> {
+    let limits = fs::read_to_string("/proc/self/limits").ok()?;
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    below_limit(&limits, &status)
+}
+
+fn below_limit(limits: &str, status: &str) -> Option<u64> {
+    let mut lines = limits.lines();
+    let limit = lines.find_map(|line| line.strip_prefix("Max address space"))?;
+    // The soft limit comes first.
+    let limit: u64 = limit.split_whitespace().next()?.parse().ok()?;
+    let taken = value(status, "VmSize:")?.checked_mul(1024)?;
+    Some(limit.saturating_sub(taken))
 }
 
 /// The value of a line "name value".
@@ -96,6 +112,20 @@ mod tests {
             value("active_file 1\ninactive_file 7\n", "inactive_file"),
             Some(7)
         );
+    }
+
+    #[test]
+    fn a_limit_on_the_address_space_counts() {
+        let limits = |soft: &str| {
+            format!(
+                "Limit  Soft Limit  Hard Limit  Units\nMax cpu time  unlimited  unlimited  seconds\n\
+                 Max address space         {soft}            unlimited            bytes\n"
+            )
+        };
+        let status = "VmPeak:   9000 kB\nVmSize:\t    1000 kB\n";
+        assert_eq!(below_limit(&limits("4096000"), status), Some(3_072_000));
+        assert_eq!(below_limit(&limits("4096"), status), Some(0));
+        assert_eq!(below_limit(&limits("unlimited"), status), None);
     }
 
     #[test]

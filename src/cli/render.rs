@@ -380,7 +380,7 @@ fn check_passes(option: &str, arguments: &RenderArguments, is_sequence: bool) ->
             "leave out --method",
         ),
         () if arguments.changes.pixel_centers => refuse(
-            "rays through the centres of pixels have no noise to improve",
+            "each pixel has one ray, through its centre",
             "leave out --pixel-centers",
         ),
         () if arguments.stats || arguments.stats_json.is_some() => refuse(

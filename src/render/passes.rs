@@ -4,11 +4,10 @@
 //! one for each half of a tile's samples, and each half decides how many passes of the other are used, so the picture has no bias
 //! ([`film`](crate::render::film)). A half requests no more passes of the other as soon as, by its own estimates,
 //! ```text
-//! √(mean over pixels of standard error²) ≤ ε · (mean radiance of the tile, or of the picture if that is higher),
+//! √(mean over pixels, and R, G and B, of standard error²) ≤ ε · (mean radiance of the tile, or of the picture if that is higher),
 //! ```
 //!
 //! where two of its own standard deviations are added to the mean square, which is uncertain while few passes find a light,
-//!
 //! and a tile is rendered until both halves are decided. The first decision comes after 4 passes and 32 samples per pixel of each half:
 //! of fewer samples, all parts of a half often agree exactly at the rim of a light, although their mean is wrong. As this number depends on
 //! no sample, it adds no bias. A half that saw too little noise by chance can still settle the other too early; passes that make up for it would
@@ -41,7 +40,7 @@ use crate::scene::model::MOST_SAMPLES;
 const LEAST_PASSES: u32 = 4;
 const LEAST_SAMPLES: u32 = 32;
 /// The first line of a file of sums.
-const FORMAT: &[u8] = b"nullray passes 4\n";
+const FORMAT: &[u8] = b"nullray passes 5\n";
 /// The error message for an invalid file of sums.
 const DAMAGED: &str = "this file of finished passes is damaged";
 /// Bytes of a SHA-256.
@@ -158,11 +157,11 @@ impl Passes {
         film.with_passes(self.done, self.error)
     }
 
-    /// The standard error of the picture so far: root mean square over pixels, divided by their mean radiance. 0 if it is dark.
+    /// The standard error of the picture so far: root mean square over pixels, and R, G and B, divided by their mean radiance. 0 if it is dark.
     pub fn error(&self) -> f64 {
         let (mut square, mut pixels) = (0.0, 0);
         for parts in self.tiles.iter().filter_map(TileFilm::parts) {
-            let count = parts.spread.len();
+            let count = parts.pixels();
             pixels += count;
             square += (0..count)
                 .map(|pixel| parts.own_error_square(pixel))
@@ -189,12 +188,12 @@ impl Passes {
         let (sum, pixels) = found
             .iter()
             .fold((0.0, 0.0), |(sum, pixels), (parts, mean)| {
-                let count = parts.spread.len() as f64;
+                let count = parts.pixels() as f64;
                 (sum + mean * count, pixels + count)
             });
         let picture = sum / pixels;
         for (parts, mean) in found.iter().filter(|(parts, _)| parts.is_settled()) {
-            let count = parts.spread.len();
+            let count = parts.pixels();
             let square = (0..count).map(|pixel| parts.own_error_square(pixel));
             let error = (square.sum::<f64>() / count as f64).sqrt() / mean.max(picture);
             // Neither a dark picture nor NaN has an error.
@@ -364,7 +363,7 @@ fn means(tiles: &[TileFilm]) -> [f64; 2] {
     std::array::from_fn(|half| {
         let (mut sum, mut pixels) = (0.0, 0);
         for parts in tiles.iter().filter_map(TileFilm::parts) {
-            let count = parts.spread.len();
+            let count = parts.pixels();
             pixels += count;
             sum += parts.tile_judgement(half)[0] * count as f64;
         }

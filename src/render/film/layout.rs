@@ -99,7 +99,7 @@ impl Layout {
     /// The bytes of the sums of all tiles, if they are kept between passes.
     pub(crate) fn bytes_of_passes(&self) -> u64 {
         // Radiance, its halves and their spread; missing radiance and its fractions; hits, blind samples, and the nearest distance.
-        let pixel = 24 + 48 + 40 + 40 + 16 + 8 * self.channels.len();
+        let pixel = 24 + 48 + 104 + 40 + 16 + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
     }
 

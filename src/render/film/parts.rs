@@ -10,7 +10,8 @@
 //! standard error² = Σ (m_k − m)²/(R (R − 1)),                                                     (1)
 //! ```
 //!
-//! whose expectation is the variance of m, whatever the distribution. If the means are normal, the error over the standard error is distributed as
+//! whose expectation is the variance of m, whatever the distribution. For the reported error of a pixel m is the mean of R, G and B; for
+//! decisions on passes squares are the means of those of R, G and B, so that noise in which red and blue differ does not cancel. If the means are normal, the error over the standard error is distributed as
 //! Student's t with R − 1 degrees of freedom: for R = 8, 65 % are below 1 and 91 % below 2, while 68 % and 95 % of normal errors are. Light that
 //! few samples find is worse: parts that have all missed it differ little, and suggest a small error although their mean is too low.
 //!
@@ -58,10 +59,28 @@ pub(in crate::render) struct Parts {
     pub(in crate::render) settled: [bool; 2],
     /// By half and pixel, Σ of the means of the parts that count.
     pub(in crate::render) halves: [Vec<[f64; 3]>; 2],
-    /// With m the mean of R, G, B of a part: m₀ of the first, and by half Σ (m − m₀) and Σ (m − m₀)². Equal parts give exactly 0.
-    pub(in crate::render) spread: Vec<[f64; 5]>,
+    /// By pixel.
+    spread: Vec<Spread>,
     /// By half, Σ d and Σ d² over its parts but the first: d is what a part adds to Σ (m − m̄)², summed over the pixels of the tile.
-    pub(in crate::render) scatter: [[f64; 2]; 2],
+    scatter: [[f64; 2]; 2],
+}
+
+/// How the parts m of a pixel differ: m₀, the first, and by half Σ (m − m₀) and Σ (m − m₀)². Equal parts give exactly 0.
+#[derive(Debug, Clone, Default)]
+struct Spread {
+    first: [f64; 3],
+    sums: [[f64; 3]; 2],
+    /// The mean over R, G and B.
+    squares: [f64; 2],
+    /// Of the mean of R, G and B.
+    squares_of_mean: [f64; 2],
+}
+
+impl Spread {
+    /// The mean over R, G and B of Σ (m − m̄)² = Σ (m − m₀)² − (Σ (m − m₀))²/n, for n parts with these sums.
+    fn scatter(sums: [f64; 3], squares: f64, n: f64) -> f64 {
+        (squares - mean(sums.map(|sum| sum * sum)) / n).max(0.0)
+    }
 }
 
 /// D in (2): this value brings the errors of eight parts nearest to 68.3 % below 1 and 95.4 % below 2 in eight small scenes.
@@ -102,7 +121,7 @@ impl Parts {
             counted: [0; 2],
             settled: [false; 2],
             halves: std::array::from_fn(|_| vec![[0.0; 3]; pixels]),
-            spread: vec![[0.0; 5]; pixels],
+            spread: vec![Spread::default(); pixels],
             scatter: [[0.0; 2]; 2],
         }
     }
@@ -124,17 +143,21 @@ impl Parts {
                 }
             }
             // Differences from the first part, so that no digits cancel in the variance.
-            let m = mean(part);
             let spread = &mut self.spread[pixel];
             if self.taken == 0 {
-                spread[0] = m;
+                spread.first = part;
             }
+            let from_first: [f64; 3] = std::array::from_fn(|c| part[c] - spread.first[c]);
+            let sums = &mut spread.sums[half];
             if before > 0.0 {
-                let off = m - spread[0] - spread[1 + 2 * half] / before;
-                added += off * off * (before / (before + 1.0));
+                let off: [f64; 3] = std::array::from_fn(|c| from_first[c] - sums[c] / before);
+                added += mean(off.map(|off| off * off)) * (before / (before + 1.0));
             }
-            spread[1 + 2 * half] += m - spread[0];
-            spread[2 + 2 * half] += (m - spread[0]) * (m - spread[0]);
+            for (sum, from_first) in sums.iter_mut().zip(from_first) {
+                *sum += from_first;
+            }
+            spread.squares[half] += mean(from_first.map(|off| off * off));
+            spread.squares_of_mean[half] += mean(from_first).powi(2);
         }
         let scatter = &mut self.scatter[half];
         *scatter = [scatter[0] + added, scatter[1] + added * added];
@@ -153,12 +176,21 @@ impl Parts {
         }
     }
 
-    /// s² of a pixel.
+    /// s² of a pixel: the mean of those of R, G and B.
     fn variance(&self, pixel: usize) -> f64 {
         let n = f64::from(self.taken);
-        let [_, a, aa, b, bb] = self.spread[pixel];
-        // Σ(m − m̄)² = Σ(m − m₀)² − (Σ(m − m₀))²/n.
-        (((aa + bb) - (a + b) * (a + b) / n) / (n - 1.0)).max(0.0)
+        let spread = &self.spread[pixel];
+        let [a, b] = spread.sums;
+        let sums = std::array::from_fn(|c| a[c] + b[c]);
+        Spread::scatter(sums, spread.squares.iter().sum(), n) / (n - 1.0)
+    }
+
+    /// s² of the mean of R, G and B of a pixel.
+    fn variance_of_mean(&self, pixel: usize) -> f64 {
+        let n = f64::from(self.taken);
+        let spread = &self.spread[pixel];
+        let sum: f64 = spread.sums.into_iter().map(mean).sum();
+        Spread::scatter([sum; 3], spread.squares_of_mean.iter().sum(), n) / (n - 1.0)
     }
 
     /// The variance of the mean of a pixel, relative to that of a part: 1/R, or as in (4) if a half is settled.
@@ -170,7 +202,7 @@ impl Parts {
         }
     }
 
-    /// The square of the standard error of a pixel from its own parts only: (1).
+    /// The square of the standard error of a pixel from its own parts only: (1), the mean of those of R, G and B.
     pub(in crate::render) fn own_error_square(&self, pixel: usize) -> f64 {
         match self.taken < 2 {
             true => f64::NAN,
@@ -184,7 +216,8 @@ impl Parts {
             return vec![f64::NAN; self.spread.len()];
         }
         let all = 0..self.spread.len();
-        let variances: Vec<f64> = all.map(|pixel| self.variance(pixel)).collect();
+        let variances = all.map(|pixel| self.variance_of_mean(pixel));
+        let variances: Vec<f64> = variances.collect();
         let own = f64::from(self.taken - 1);
         let share = self.share();
         let square = |(pixel, variance): (usize, &f64)| {
@@ -201,10 +234,10 @@ impl Parts {
         // The halves alternate: both have equally many.
         let n = f64::from(self.taken / 2);
         let spread = &self.spread[pixel];
-        let (sum, squares) = (spread[1 + 2 * half], spread[2 + 2 * half]);
-        let variance = ((squares - sum * sum / n) / (n - 1.0)).max(0.0);
+        let sums = spread.sums[half];
+        let variance = Spread::scatter(sums, spread.squares[half], n) / (n - 1.0);
         // For these n parts and as many of the other half.
-        [spread[0] + sum / n, variance / (2.0 * n)]
+        [mean(spread.first) + mean(sums) / n, variance / (2.0 * n)]
     }
 
     /// The estimates of one half for the tile: its mean radiance, and an upper bound of its standard error, the root of the mean square over
@@ -229,6 +262,11 @@ impl Parts {
         [sums[0] / count, square.sqrt()]
     }
 
+    /// Number of pixels.
+    pub(in crate::render) fn pixels(&self) -> usize {
+        self.spread.len()
+    }
+
     /// The mean radiance of the tile in the picture.
     pub(in crate::render) fn tile_radiance(&self) -> f64 {
         let all = 0..self.spread.len();
@@ -250,7 +288,12 @@ impl Parts {
         for half in &mut self.halves {
             numbers(half.as_flattened_mut());
         }
-        numbers(self.spread.as_flattened_mut());
+        for spread in &mut self.spread {
+            numbers(&mut spread.first);
+            numbers(spread.sums.as_flattened_mut());
+            numbers(&mut spread.squares);
+            numbers(&mut spread.squares_of_mean);
+        }
         numbers(self.scatter.as_flattened_mut());
         let [a, b] = &mut self.counted;
         for count in [&mut self.taken, a, b] {

@@ -247,10 +247,11 @@ impl Prepared {
 
 /// The positions of samples in the pixels of `film`.
 fn sampler(scene: &Scene, film: &Layout) -> Sampler {
-    match film.pixel_centers {
+    let sampler = match film.pixel_centers {
         true => Sampler::centred(),
-        false => Sampler::stratified(film.samples_per_part()).with_seed(scene.seed),
-    }
+        false => Sampler::stratified(film.samples_per_part()),
+    };
+    sampler.with_seed(scene.seed)
 }
 
 /// How the rays of `film` are traced.

@@ -91,9 +91,8 @@ pub(in crate::scene) struct Cube {
     /// its square: less error, more of the data's noise); or "footprint" (bilinear, averaged over the area of the surface that each
     /// sample covers: no aliasing where a pixel of the picture covers several texels). Default: "bilinear".
     pub reconstruction: Option<At<Reconstruction>>,
-    /// Factor on all values. Default: 1.
-    #[serde(default = "Cube::scale")]
-    pub scale: Number,
+    /// Factor on all values, above 0. Default: 1.
+    pub scale: Option<At<Number>>,
     /// Surface points address the cube by their texture coordinates TEXCOORD_n with this number n; row 0 of the cube is v = 0. Excludes
     /// `capture`. Default: 0.
     pub uv: Option<At<u32>>,
@@ -119,12 +118,6 @@ pub(in crate::scene) enum Backs {
     SecondHalf,
     /// What the metadata of a file of baked light say.
     AsBaked,
-}
-
-impl Cube {
-    fn scale() -> Number {
-        Number(1.0)
-    }
 }
 
 /// A table of the edges of bins.

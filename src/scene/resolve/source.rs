@@ -139,7 +139,10 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         values: time.values,
         filter: time.filter,
         reconstruction: reconstruction(cx, cube)?,
-        scale: cube.scale.0,
+        scale: match &cube.scale {
+            Some(scale) => cx.positive(scale, "`scale`")?,
+            None => 1.0,
+        },
         read: time.read,
         assumed: time
             .assumed

@@ -68,6 +68,8 @@ type Values<'a> = (Option<f64>, &'a Distribution);
 
 const PS_PER_METRE: f64 = 1e12 / SPEED_OF_LIGHT;
 
+/// The channels that errors of the light need.
+const LIGHT: &str = "the light";
 /// The channels that geometric errors need.
 const PLACES: &str = "the channels object_event.x, .y, .z (or event.x, .y, .z)";
 /// The channels that errors of emission times need.
@@ -93,10 +95,10 @@ pub const METRICS: [Metric; 24] = [
     channel("ssim", "ratio", Some("SSIM"), |e| e.ssim)
         .better_when_large()
         .at_most(1.0),
-    picture("flip", "ratio", None, "the light", |c| {
+    picture("flip", "ratio", None, LIGHT, |c| {
         Some(c.flip.as_ref()?.mean)
     }),
-    picture("flip.max", "ratio", None, "the light", |c| {
+    picture("flip.max", "ratio", None, LIGHT, |c| {
         Some(c.flip.as_ref()?.max)
     }),
     picture(
@@ -204,7 +206,7 @@ const fn channel(
     heading: Option<&'static str>,
     value: fn(&Errors) -> Option<f64>,
 ) -> Metric {
-    row(name, unit, heading, "the light", Of::Channel(value))
+    row(name, unit, heading, LIGHT, Of::Channel(value))
 }
 
 const fn picture(
@@ -645,6 +647,9 @@ impl<'a> Name<'a> {
                 ),
                 Err(why) => Measured::Nothing(why),
             },
+            Of::Picture(..) if self.row.needs == LIGHT && comparison.partial_light().is_some() => {
+                Measured::Nothing(comparison.partial_light()?)
+            }
             Of::Picture(value, _) => settled(value(comparison), || {
                 let is_skipped = self.row.name.starts_with("flip") && comparison.flip.is_none();
                 let has_objects = (comparison.surface.as_ref())
@@ -676,6 +681,9 @@ impl<'a> Name<'a> {
     fn errors<'c>(&self, comparison: &'c Comparison) -> Option<Result<&'c Errors, Message>> {
         let empty = || Message::from("no sample is a number in both pictures");
         let Some(name) = self.channel else {
+            if let Some(why) = comparison.partial_light() {
+                return Some(Err(why));
+            }
             let light = comparison.radiance.as_ref();
             let missing = || match comparison.channels.iter().any(|c| is_light(&c.name)) {
                 true => empty(),
@@ -707,6 +715,25 @@ fn settled<M: Into<Message>>(value: Option<f64>, why: impl FnOnce() -> M) -> Mea
 }
 
 impl Comparison {
+    /// Why metrics of the light would judge a part of it: one picture lacks channels of it that the other has.
+    fn partial_light(&self) -> Option<Message> {
+        if !self.channels.iter().any(|channel| is_light(&channel.name)) {
+            return None;
+        }
+        let Uncompared {
+            only_reference,
+            only_candidate,
+        } = &self.uncompared;
+        let lacks = |names: &[String], who: &str| {
+            let lost = names.iter().map(String::as_str);
+            let lost: Vec<&str> = lost.filter(|name| is_light(name)).collect();
+            (!lost.is_empty()).then(|| format!("the {who} lacks {} of the light", lost.join(", ")))
+        };
+        let lacks =
+            lacks(only_reference, "candidate").or_else(|| lacks(only_candidate, "reference"))?;
+        Some(Message::from(lacks) + " (choose what to compare with " + Setting::Channels + ")")
+    }
+
     /// The metric of this name; `None` if there is no such metric, or it could not be computed.
     pub fn metric(&self, name: &str) -> Option<f64> {
         match Name::of(name)?.found(self)? {

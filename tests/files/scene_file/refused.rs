@@ -24,6 +24,8 @@ cases! { STRUCTURE:
     "eye = [0, 1, 5]" => "eye = [0, 1, 5, 6]" at "camera.eye" "[0, 1, 5, 6]": "invalid length 4", "metres";
     "eye = [0, 1, 5]" => "eye = [0, true, 5]" at "camera.eye[1]" "true": "expected a number", "World position";
     "velocity = { beta = [0.5, 0, 0] }" => "velocity = 0.5" at "object[2].velocity" "0.5": "a table like { beta", "Velocity in the world";
+    "clock = \"capture\"" => "clock = \"capture\", scale = 0" at "source[0].cube.scale" "0": "`scale` is 0, which is not above 0", "`scale` is above 0";
+    "clock = \"capture\"" => "clock = \"capture\", scale = -2" at "source[0].cube.scale" "-2": "not above 0", "`scale` is above 0";
     "clock = \"capture\"" => "clock = \"captur\"" at "source[0].cube.clock" "\"captur\"": "captur is not one of world, object, capture", "did you mean \"capture\"?";
     "before = \"hold\"" => "before = \"blck\"" at "outside.before" "\"blck\"": "blck is not one of", "did you mean \"black\"?";
     "quantity = \"line\"" => "quantity = \"lines\"" at "radiance.quantity" "\"lines\"": "lines is not one of", "did you mean \"line\"?";

@@ -345,3 +345,74 @@ fn two_passes_are_two_pictures_of_different_random_numbers() {
     assert!(differ.count() > 300);
     assert!(second.iter().all(|x| *x > -1e-12));
 }
+
+#[test]
+fn tiles_stop_by_the_noise_of_each_colour() {
+    // A red and a blue panel side by side, one of which each sample chooses: their noise is opposite, and cancels in the mean of R, G and B.
+    let panel = |name: &str, x: f64, radiance: [f64; 3]| {
+        format!(
+            "
+[[object]]
+name = {name:?}
+shape = {{ plane = {{ size = [0.3, 0.3] }} }}
+transform = {{ translate = [{x}, 6, 0], rotate = {{ axis = [1, 0, 0], angle = \"180 deg\" }} }}
+[[light]]
+type = \"area\"
+object = {name:?}
+radiance = {radiance:?}"
+        )
+    };
+    let mut scene = stage::scene(&format!(
+        "
+[camera]
+eye = [0, 2, 0]
+look_at = [0, 0, 0]
+up = [0, 0, 1]
+hfov = \"20 deg\"
+size = [16, 16]
+[[object]]
+shape = {{ plane = {{ size = [9, 9] }} }}
+colour = [1, 1, 1]
+{}{}",
+        panel("red", -0.2, [4.0, 0.0, 0.0]),
+        panel("blue", 0.2, [0.0, 0.0, 4.0])
+    ));
+    scene.samples_per_pixel = 1;
+    let films = films_to(0.05, 4000, &scene, 24);
+    let count = films.len() as f64;
+    // Variances over seeds, as means over the tile.
+    let variance = |value: &dyn Fn(&Film, usize) -> f64| {
+        let of_pixel = |i: usize| {
+            let mean = films.iter().map(|film| value(film, i)).sum::<f64>() / count;
+            let squares = films.iter().map(|film| (value(film, i) - mean).powi(2));
+            squares.sum::<f64>() / (count - 1.0)
+        };
+        (0..256).map(of_pixel).sum::<f64>() / 256.0
+    };
+    let colour = |c: usize| variance(&|film, i| film.radiance()[i][c]);
+    let of_colours = ((colour(0) + colour(1) + colour(2)) / 3.0).sqrt();
+    let of_mean = variance(&grey).sqrt();
+    let whole = (0..256).map(|i| grey(&films[0], i)).sum::<f64>() / 256.0;
+    println!("{} {}", of_colours / whole, of_mean / whole);
+    assert!(of_mean < 0.2 * of_colours);
+    // Fewest passes, 32 samples of each half, would leave three times the noise that is asked for.
+    assert!(of_colours < 0.055 * whole, "{}", of_colours / whole);
+}
+
+#[test]
+fn rays_through_the_centres_of_pixels_choose_light_by_the_seed() {
+    let picture = |seed: u32| {
+        let mut scene = room(1);
+        scene.seed = seed;
+        let request = Request {
+            pixel_centers: true,
+            ..Request::default()
+        };
+        let plan = Plan::new(&scene, &request).unwrap();
+        let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+        nullray::render::render(&prepared, &Silent).unwrap()
+    };
+    let [a, b, again] = [0, 1, 1].map(picture);
+    assert!(a.radiance() != b.radiance());
+    assert!(b.radiance() == again.radiance());
+}

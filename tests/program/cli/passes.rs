@@ -75,7 +75,7 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
     assert!(said.contains(reached), "{said}");
     assert!(!parts.path("a.npz.passes").exists());
     // A damaged file is refused, and named.
-    parts.write("a.npz.passes", "nullray passes 4\n");
+    parts.write("a.npz.passes", "nullray passes 5\n");
     let run = parts.run(&[&TO_NPZ[..], &["--passes", "2"]].concat());
     assert_eq!(run.code, 2);
     assert!(run.message().contains("damaged"), "{}", run.stderr);

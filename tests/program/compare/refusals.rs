@@ -1,7 +1,9 @@
 //! Pictures that cannot be compared, and why.
 
 use nullray::io::image::{Channel, Samples};
-use nullray::validate::compare::{Alpha, CompareOptions, Encoding, NotFinite, Picture, compare};
+use nullray::validate::compare::{
+    Alpha, CompareOptions, Encoding, NotFinite, Picture, Tolerance, compare,
+};
 
 use crate::compare::pictures::light;
 
@@ -45,6 +47,21 @@ fn channels_of_one_picture_alone_are_listed_and_the_others_compared() {
     assert_eq!(names, ["radiance.R"]);
     assert_eq!(compared.uncompared.only_reference, ["radiance.G"]);
     assert_eq!(compared.uncompared.only_candidate, ["radiance.B"]);
+    // A limit on the light is not kept by one of its colours; one on that colour is.
+    for (metric, why) in [
+        ("rmse", "lacks radiance.G of the light"),
+        ("flip", "lacks radiance.G of the light"),
+        ("radiance.R:rmse", ""),
+    ] {
+        let limit = Tolerance {
+            metric: metric.into(),
+            value: 1.0,
+        };
+        let breaches = compared.breaches(&[limit]).unwrap();
+        assert_eq!(breaches.is_empty(), why.is_empty(), "{metric}");
+        let said = format!("{breaches:?}");
+        assert!(said.contains(why), "{said}");
+    }
 }
 
 #[test]

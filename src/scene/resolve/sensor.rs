@@ -209,10 +209,16 @@ fn refuse_horizon(
     let Some(a) = in_file.or_else(|| exposed(model, &corners)) else {
         return Ok(());
     };
+    let reach = match reaches(&&a) {
+        true => "reaches farther",
+        false => {
+            "comes so near to that that it may reach farther at another moment of the exposure"
+        }
+    };
     let (a, length) = (a.length(), &at.value.focal_length);
     let what = format!(
         "at a proper acceleration of {} /m a rigid body ends {} m behind its pinhole, and this sensor \
-         reaches farther",
+         {reach}",
         number(a),
         number(1.0 / a)
     );

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::cone::past_cone;
 use super::error::{MAX_ACCELERATION, MAX_ENTRIES, WorldLineError};
-use super::horizon::{self, Around};
+use super::horizon;
 use super::hyperbola;
 use super::state::{Crossing, State};
 use super::stretch::Stretch;
@@ -142,15 +142,22 @@ impl Arcs {
     }
 
     /// As [`super::WorldLine::beyond_horizon`].
-    pub fn beyond_horizon(&self, times: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
-        let nodes = self.arcs.iter().skip(1).map(|arc| arc.begin.proper_time);
-        horizon::beyond(times, nodes, points, |middle, half| {
-            let acceleration = self.state(middle)?.acceleration;
-            let radius = acceleration.length_squared() * half;
-            Some(Around {
-                acceleration,
-                radius,
-            })
+    pub fn beyond_horizon(&self, [from, to]: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
+        let [first, last] = [from, to].map(|time| self.index(time));
+        (first..=last).find_map(|index| {
+            // The part of the exposure on this arc, up to the beginning of the next.
+            let begin = &self.arcs[index].begin;
+            let next = self.arcs.get(index + 1).filter(|_| index < last);
+            let start = if index > first {
+                begin.proper_time
+            } else {
+                from
+            };
+            let end = next.map_or(to, |next| next.begin.proper_time);
+            let start = hyperbola::after(begin, start - begin.proper_time)?;
+            let end = hyperbola::after(&start, end - start.proper_time)?;
+            let axis = start.acceleration.cross(start.velocity.split().0);
+            horizon::beyond_arc([start.acceleration, end.acceleration], axis, points)
         })
     }
 

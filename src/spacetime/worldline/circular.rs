@@ -9,12 +9,14 @@
 //! The proper acceleration −γ²Ω² r is perpendicular to the velocity, and the same in comoving axes. The displacement between two events
 //! of the line depends only on the phase of the first and on the difference, so that it keeps its digits; cos θ − 1 = −2 sin²(θ/2).
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use super::cone::past_cone;
 use super::elapsed::Elapsed;
 use super::error::WorldLineError;
-use super::horizon::{self, Around};
+use super::horizon;
 use super::root;
 use super::rounding::product;
 use super::series::delay_left;
@@ -75,7 +77,7 @@ impl Circular {
 
     /// The proper time of a revolution; `None` at rest.
     pub fn period(&self) -> Option<f64> {
-        let period = std::f64::consts::TAU / (self.rate.abs() * self.gamma);
+        let period = TAU / (self.rate.abs() * self.gamma);
         period.is_finite().then_some(period)
     }
 
@@ -96,13 +98,15 @@ impl Circular {
     }
 
     /// As [`super::WorldLine::beyond_horizon`].
-    pub fn beyond_horizon(&self, times: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
-        horizon::beyond(times, std::iter::empty(), points, |middle, half| {
-            let acceleration = self.state(middle)?.acceleration;
-            Some(Around {
-                acceleration,
-                radius: acceleration.length() * self.rate.abs() * self.gamma * half,
-            })
+    pub fn beyond_horizon(&self, [from, to]: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
+        // A revolution at most, in thirds.
+        let turned = self.rate * self.gamma * (to - from);
+        let third = turned.clamp(-TAU, TAU) / 3.0;
+        let (radial, pull) = (self.radial_at(self.gamma * from), self.gamma * self.rate);
+        let acceleration = |phase| (radial + self.chord(radial, (phase, 0.0))) * (-pull * pull);
+        (0..3).map(f64::from).find_map(|k| {
+            let ends = [k * third, (k + 1.0) * third].map(acceleration);
+            horizon::beyond_arc(ends, self.axis * self.rate, points)
         })
     }
 

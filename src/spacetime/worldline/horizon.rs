@@ -2,7 +2,18 @@
 //!
 //! A Born-rigid body that moves with the line has, in the comoving frame, the points p with 1 + a·p > 0, where a is the proper
 //! acceleration: farther behind, nothing keeps its distance. In the axes that are boosted without rotation, in which p is constant, a
-//! changes all the time. Where it differs by at most r from its value at the middle of a span, all of the span is safe if
+//! changes all the time.
+//!
+//! On circles, and where a is constant in a gyroscope's axes, a turns in one plane with a constant magnitude and in a constant sense. Along
+//! an arc of less than half a turn, a·p is least where a is opposite to the part of p in that plane, if a comes by there, or else at one of the
+//! ends. Constant acceleration turns by less than half a turn, however long it lasts: about a × v, at the rate of the Thomas precession
+//! |a × U|/(1 + γ), where a × U is constant and γ = c cosh(|a|τ), with c² − 1 = (a × U)²/a², so that in all
+//!
+//! ```text
+//! ∫ √(c² − 1)/(1 + c cosh φ) dφ = 4 atan √((c − 1)/(c + 1)) < π.
+//! ```
+//!
+//! Elsewhere, where a differs by at most r from its value at the middle of a span, all of the span is safe if
 //!
 //! ```text
 //! 1 + a·p > r |p|     in the middle;
@@ -11,18 +22,21 @@
 //! otherwise both halves are examined. Each kind of line bounds r by the half length h of the span:
 //!
 //! ```text
-//! constant in a gyroscope's axes:       r = |a|² h              (Thomas precession is slower than |a|)
-//! linear there, with the slope s:       r = (|s| + (|a| + |s| h)²) h
-//! a circle at Ω in world time:          r = |a| |Ω| γ h
+//! linear in a gyroscope's axes:         r = (|s| + A min(A, |ω| + (|s| + 3/2 A²) h)) h
 //! x(ct) with v = x′, w = x″, j = x‴:    below, from bounds on γ, |v|, |w|, |v·w| and the constant j
 //! ```
+//!
+//! The first has the slope s, A = |a| + |s| h, and the Thomas precession ω = a × n tanh(φ/2) of the middle, for the velocity n tanh φ: with
+//! |d(n tanh(φ/2))/dτ| ≤ |a|/2, |dω/dτ| ≤ (|s| + A²) + A²/2. Without it, motion along a straight line would need many more spans.
 //!
 //! The last is that of a = γ² w + g (v·w) v with g = γ⁴/(1 + γ), where dγ = γ³ (v·w) dct and dg/dγ = γ³ (4 + 3γ)/(1 + γ)².
 
 use glam::DVec3;
 
-/// The maximum number of bisections of a span; what is still undecided then is as good as at the horizon.
-const HALVINGS: u32 = 30;
+/// The maximum numbers of halves that are examined, in all and for each span between nodes; where some are undecided then, the body is taken
+/// to reach the horizon.
+const MOST_HALVES: usize = 1 << 18;
+const HALVES_OF_EACH: usize = 64;
 
 /// The acceleration in the middle of a span, and by how much it differs from that within the span, at most.
 #[derive(Debug, Clone, Copy)]
@@ -31,47 +45,72 @@ pub(super) struct Around {
     pub radius: f64,
 }
 
-/// An acceleration between the parameters `from` and `to` of a line beyond whose horizon one of `points` lies; `None` if there is none.
-/// `around` is given the middle and half the length of a span that contains none of `nodes`, which ascend; it returns `None` where the
-/// line has no state.
+/// Whether one of `points` lies at the horizon of an acceleration, or beyond it.
+pub(super) fn is_reached(acceleration: DVec3, points: &[DVec3]) -> bool {
+    points.iter().any(|p| 1.0 + acceleration.dot(*p) <= 0.0)
+}
+
+/// As [`super::WorldLine::beyond_horizon`], between the parameters `from` and `to` of a line. `around` is given the middle and half the
+/// length of a span that contains none of `nodes`, which ascend; it returns `None` where the line has no state.
 pub(super) fn beyond(
     [from, to]: [f64; 2],
     nodes: impl Iterator<Item = f64>,
     points: &[DVec3],
     around: impl Fn(f64, f64) -> Option<Around>,
 ) -> Option<DVec3> {
-    let inner = nodes.filter(|node| from < *node && *node < to);
     let mut begin = from;
-    inner.chain([to]).find_map(|end| {
-        let span = [begin, end];
-        begin = end;
-        within(span, points, &around, HALVINGS)
-    })
+    let ends = nodes.filter(|node| from < *node && *node < to).chain([to]);
+    let spans = ends.map(|end| [std::mem::replace(&mut begin, end), end]);
+    let mut spans: Vec<_> = spans.collect();
+    // All spans before their halves, so that what is plainly beyond is found first.
+    let mut left = MOST_HALVES.max(HALVES_OF_EACH * spans.len());
+    loop {
+        let (mut halves, mut undecided) = (Vec::new(), None);
+        for [from, to] in spans {
+            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+            let around = around(middle, half).filter(|around| around.acceleration.is_finite());
+            let Some(Around {
+                acceleration,
+                radius,
+            }) = around
+            else {
+                continue;
+            };
+            if is_reached(acceleration, points) {
+                return Some(acceleration);
+            }
+            let is_safe = |p: &DVec3| 1.0 + acceleration.dot(*p) > radius * p.length();
+            if !points.iter().all(is_safe) {
+                undecided = undecided.or(Some(acceleration));
+                halves.extend([[from, middle], [middle, to]]);
+            }
+        }
+        if halves.len() > left || halves.is_empty() {
+            return undecided;
+        }
+        left -= halves.len();
+        spans = halves;
+    }
 }
 
-fn within(
-    [from, to]: [f64; 2],
+/// The same while the acceleration turns from `first` to `last`, right-handed about `axis` (of any length, 0 if it does not turn) and by
+/// less than half a turn.
+pub(super) fn beyond_arc(
+    [first, last]: [DVec3; 2],
+    axis: DVec3,
     points: &[DVec3],
-    around: &impl Fn(f64, f64) -> Option<Around>,
-    halvings: u32,
 ) -> Option<DVec3> {
-    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-    let Around {
-        acceleration,
-        radius,
-    } = around(middle, half).filter(|around| around.acceleration.is_finite())?;
-    let left = |p: &DVec3| 1.0 + acceleration.dot(*p);
-    if points.iter().any(|p| left(p) <= 0.0) {
-        return Some(acceleration);
-    }
-    if points.iter().all(|p| left(p) > radius * p.length()) {
-        return None;
-    }
-    match halvings {
-        0 => Some(acceleration),
-        _ => within([from, middle], points, around, halvings - 1)
-            .or_else(|| within([middle, to], points, around, halvings - 1)),
-    }
+    // Perpendicular to `first` whatever the rounding errors of a short axis.
+    let along = first.normalize_or_zero();
+    let n = (axis - along * along.dot(axis)).normalize_or_zero();
+    let opposite = |p: &DVec3| {
+        let q = (n * n.dot(*p) - *p).normalize_or_zero();
+        let comes_by = n.dot(first.cross(q)) > 0.0 && n.dot(q.cross(last)) > 0.0;
+        comes_by.then(|| q * first.length())
+    };
+    let all = points.iter().filter_map(opposite).chain([first, last]);
+    all.filter(|a| a.is_finite())
+        .find(|a| is_reached(*a, points))
 }
 
 /// The acceleration on a path x(ct) with these derivatives in the middle of a span of world time.
@@ -144,8 +183,57 @@ mod tests {
             (WorldLine::segments(velocity, zero, &segments).unwrap(), 3.0),
             (profile(Axes::Gyroscope), 2.9),
             (profile(Axes::World), 2.9),
-            (circle.unwrap(), 5.0),
+            (circle.clone().unwrap(), 5.0),
+            (circle.unwrap(), 1.0),
         ]
+    }
+
+    /// However near to the horizon, and however long.
+    #[test]
+    fn the_horizon_of_circles_and_of_constant_acceleration_is_found_from_closed_forms() {
+        let circle =
+            WorldLine::circular(Event::new(0.0, DVec3::X * 0.5), DVec3::ZERO, DVec3::Z, 1.0);
+        // γ² Ω² R = ½/(1 − ¼); in all directions of the plane, and not across it.
+        let circle = circle.unwrap();
+        for (angle, up) in [(0.1, 0.0), (2.0, 1e9), (4.0, -3.0)] {
+            let found = |reach: f64| {
+                let (sin, cos) = libm::sincos(angle);
+                let point = DVec3::new(reach * cos, reach * sin, up);
+                circle.beyond_horizon([7.0, 3e9], &[point]).is_some()
+            };
+            assert!(!found(1.5 - 1e-12) && found(1.5 + 1e-12), "{angle}");
+        }
+        let segment = Segment {
+            duration: 20.0,
+            acceleration: DVec3::Z * 0.5,
+        };
+        let zero = Event::new(0.0, DVec3::ZERO);
+        let line = WorldLine::segments(Velocity::REST, zero, &[segment]).unwrap();
+        let found = |reach: f64| line.beyond_horizon([-9.0, 10.0], &[DVec3::NEG_Z * reach]);
+        assert_eq!(
+            [found(2.0 - 1e-12), found(2.0)],
+            [None, Some(DVec3::Z * 0.5)]
+        );
+    }
+
+    #[test]
+    fn what_is_not_settled_within_a_bounded_effort_counts_as_beyond_the_horizon() {
+        let count = std::cell::Cell::new(0);
+        let near = DVec3::Z * (1.0 - 1e-9);
+        let around = |_, half| {
+            count.set(count.get() + 1);
+            let (acceleration, radius) = (near, half);
+            Some(Around {
+                acceleration,
+                radius,
+            })
+        };
+        let found = |reach: f64| {
+            let points = [DVec3::NEG_Z * reach];
+            beyond([0.0, 1.0], [0.3, 0.7].into_iter(), &points, around)
+        };
+        assert_eq!([found(0.999), found(1.0)], [None, Some(near)]);
+        assert!(count.get() < 2 * MOST_HALVES, "{}", count.get());
     }
 
     /// At the reciprocal of the strongest pull in a direction, found among many states, the horizon is just not reached or just reached.

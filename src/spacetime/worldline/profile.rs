@@ -94,18 +94,26 @@ impl Profile {
     /// As [`super::WorldLine::beyond_horizon`].
     pub fn beyond_horizon(&self, times: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
         let nodes = self.knots.iter().map(|(time, _)| *time);
+        if self.axes == Axes::World {
+            // Linear between knots, so a·p is least at one of them or at an end.
+            let inner = nodes.filter(|time| times[0] < *time && *time < times[1]);
+            let mut all = inner
+                .chain(times)
+                .map(|time| acceleration(&self.knots, time));
+            return all.find(|a| horizon::is_reached(*a, points));
+        }
         horizon::beyond(times, nodes, points, |middle, half| {
-            let acceleration = self.state(middle)?.acceleration;
+            let state = self.state(middle)?;
             let span = span_at(&self.knots, middle);
             let ((t0, a0), (t1, a1)) = (self.knots[span], self.knots[span + 1]);
             let slope = (a1 - a0).length() / (t1 - t0);
-            let turning = match self.axes {
-                Axes::World => 0.0,
-                Axes::Gyroscope => (acceleration.length() + slope * half).powi(2),
-            };
+            let (n, phi) = state.velocity.split();
+            let precession = state.acceleration.cross(n * libm::tanh(0.5 * phi)).length();
+            let most = state.acceleration.length() + slope * half;
+            let turning = most.min(precession + (slope + 1.5 * most * most) * half);
             Some(Around {
-                acceleration,
-                radius: (slope + turning) * half,
+                acceleration: state.acceleration,
+                radius: (slope + most * turning) * half,
             })
         })
     }

@@ -224,7 +224,9 @@ impl WorldLine {
 
     /// A proper acceleration from one proper time to another beyond whose horizon one of `points` lies: where a rigid body with
     /// constant places in the comoving frame, whose axes are the world's boosted without rotation, cannot exist, 1 + a·p ≤ 0.
-    /// `None` if the line has no such acceleration then, also between any two moments at which one would look.
+    /// `None` if the line has no such acceleration then, also between any two moments at which one would look. Where that is not settled with
+    /// a bounded effort, because a point comes very near to the horizon during a long and varied motion, it is an acceleration near whose
+    /// horizon the point lies: 1 + a·p > 0 for all of them.
     pub fn beyond_horizon(&self, times: [f64; 2], points: &[DVec3]) -> Option<DVec3> {
         match &self.kind {
             Kind::Arcs(line) => line.beyond_horizon(times, points),

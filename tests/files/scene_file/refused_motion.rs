@@ -82,6 +82,7 @@ cases! { SENSOR:
     TIME => "sensor = { focal_length = \"36 mm\", assembly = \"ships\" }" at "camera.sensor.assembly" "\"ships\"": "ships is not one of rigid, world_length, bell", "What fixes";
     TIME => "sensor = { focal_length = \"2 m\" }\nmotion.acceleration = { proper = \"0.5 /m\", direction = [0, -1, -5] }" at "camera.sensor.focal_length" "\"2 m\"": "at a proper acceleration of 0.5 /m a rigid body ends 2 m behind its pinhole", "assembly = \"bell\"";
     TIME => "sensor = { focal_length = \"3 m\" }\nmotion.segments = [{ duration = \"1 m\" }, { acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }]" at "camera.sensor.focal_length" "\"3 m\"": "a rigid body ends 2 m", "shorter focal length";
+    TIME => "sensor = { focal_length = \"2 m\" }\nshutter.duration = \"9 m\"\nmotion.profile = [{ time = \"0 m\", acceleration = { proper = \"0.49999999999 /m\", direction = [0, -1, -5] } }, { time = \"9 m\", acceleration = { proper = \"0.4999999999 /m\", direction = [0, -1, -5] } }]" at "camera.sensor.focal_length" "\"2 m\"": "a rigid body ends 2", "may reach farther at another moment";
     TIME => "sensor = { focal_length = \"3 m\" }\nmotion.profile = [{ time = \"0 m\" }, { time = \"9 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }]" at "camera.sensor.focal_length" "\"3 m\"": "a rigid body ends 2 m", "shorter focal length";
 }
 

@@ -19,6 +19,28 @@ pub(super) fn reach(sine: f64, pixel: f64) -> f64 {
     square.max(0.0).sqrt()
 }
 
+/// A disc of directions d within the angular radius ρ of s, d·s > cos ρ: from the chord, |d − s|² < (2 sin(ρ/2))², which keeps the digits
+/// of ρ. Those of cos ρ are lost below 10⁻⁸, where it rounds to 1. The components of d and s are rounded by 10⁻¹⁶.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Disc {
+    chord_squared: f64,
+}
+
+impl Disc {
+    pub fn of(radius: f64) -> Disc {
+        let chord = 2.0 * libm::sin(0.5 * radius);
+        Disc {
+            chord_squared: chord * chord,
+        }
+    }
+
+    /// Whether `d` is in the disc around `s`.
+    #[inline(always)]
+    pub fn around(self, s: DVec3, d: DVec3) -> bool {
+        (d - s).length_squared() < self.chord_squared
+    }
+}
+
 /// What one ray sees in the camera's frame: within sin R of the direction `d`.
 pub(super) struct Cap {
     d: DVec3,

@@ -51,7 +51,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use super::PixelAngles;
-use super::cap::{Cap, LESS, REACH, WIDEST, reach};
+use super::cap::{Cap, Disc, LESS, REACH, WIDEST, reach};
 use super::faces::{Grid, Index, Rectangle};
 use super::levels::{CHORD, DIAGONAL, FARTHEST, Level, Part, Place};
 use super::rays::{Bounds, FEW, Rays};
@@ -84,9 +84,9 @@ const MOST_CELLS: usize = 512;
 #[derive(Debug)]
 pub struct StarMap {
     stars: Vec<Star>,
-    /// sin ρ, cos ρ, and 1/(π sin² ρ).
+    /// sin ρ, what is within ρ, and 1/(π sin² ρ).
     sine: f64,
-    cosine: f64,
+    disc: Disc,
     density: f64,
     /// The stars' discs by direction.
     discs: Index<u32>,
@@ -107,7 +107,7 @@ struct Seeing {
 struct Within<'a> {
     rays: Rays<'a>,
     direction: DVec3,
-    cosine: f64,
+    disc: Disc,
     within: &'a mut [u64; BLOCK],
     any: &'a mut u64,
 }
@@ -117,10 +117,10 @@ impl VectorLoop for Within<'_> {
     fn run(self) {
         let [x, y, z] = self.rays.axes;
         let count = x.len().min(y.len()).min(z.len()).min(BLOCK);
-        let (direction, cosine) = (self.direction, self.cosine);
+        let (direction, disc) = (self.direction, self.disc);
         let (mut within, mut any) = ([0; BLOCK], 0);
         for k in 0..count {
-            within[k] = u64::from(DVec3::new(x[k], y[k], z[k]).dot(direction) > cosine);
+            within[k] = u64::from(disc.around(direction, DVec3::new(x[k], y[k], z[k])));
             any |= within[k];
         }
         (*self.within, *self.any) = (within, any);
@@ -155,7 +155,7 @@ impl StarMap {
         let levels = finest + WIDEST_POWER;
         StarMap {
             sine,
-            cosine: libm::cos(radius),
+            disc: Disc::of(radius),
             density: 1.0 / (std::f64::consts::PI * sine * sine),
             discs,
             levels: (0..levels).map(|_| OnceLock::new()).collect(),
@@ -173,7 +173,7 @@ impl StarMap {
         let rows = near.and_then(|near| self.discs.rows(near, usize::MAX));
         for &number in rows.into_iter().flatten().flatten() {
             let star = &self.stars[number as usize];
-            if d.dot(star.direction) > self.cosine {
+            if self.disc.around(star.direction, d) {
                 for (sum, e) in sum.iter_mut().zip(light(star)) {
                     *sum += e * self.density;
                 }
@@ -392,7 +392,7 @@ impl StarMap {
             dispatch(Within {
                 rays,
                 direction: star.direction,
-                cosine: self.cosine,
+                disc: self.disc,
                 within: &mut within,
                 any: &mut any,
             });

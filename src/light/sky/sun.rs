@@ -8,16 +8,16 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::cap::{Cap, reach};
+use super::cap::{Cap, Disc, reach};
 use super::star::raised;
 use super::{LookDirections, PixelAngles};
 use crate::scene::model;
 
-/// The sun: the directions whose cosine to its direction is above a bound.
+/// The sun: a disc around its direction.
 #[derive(Debug)]
 pub(super) struct Sun {
     direction: DVec3,
-    cosine: f64,
+    disc: Disc,
     radiance: [f64; 3],
     /// sin ρ.
     sine: f64,
@@ -27,7 +27,7 @@ impl Sun {
     pub fn new(sun: &model::Sun) -> Sun {
         Sun {
             direction: sun.direction,
-            cosine: libm::cos(sun.radius),
+            disc: Disc::of(sun.radius),
             radiance: sun.radiance(),
             sine: libm::sin(sun.radius),
         }
@@ -36,7 +36,8 @@ impl Sun {
     /// Its radiance along the look direction `d`, if it is there.
     #[inline(always)]
     pub fn seen(&self, d: DVec3) -> Option<[f64; 3]> {
-        (d.dot(self.direction) > self.cosine).then_some(self.radiance)
+        let is_there = self.disc.around(self.direction, d);
+        is_there.then_some(self.radiance)
     }
 
     /// Calls `each` with the index of each of `look` that sees it, and with its radiance, for pixels as wide as `angles` says.

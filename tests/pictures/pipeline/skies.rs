@@ -81,6 +81,30 @@ fn the_gradient_and_the_sun_are_where_they_are_seen_from_a_moving_camera() {
 }
 
 #[test]
+fn discs_of_sun_and_stars_keep_their_area_in_the_narrowest_fields_of_view() {
+    // Seen across a quarter of a square picture, a disc fills π/64 of it.
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("one.csv"), "0.36,0.48,-0.8,0,6000\n").unwrap();
+    for diameter in ["1e-4 deg", "3e-6 deg", "1e-6 deg", "3e-8 deg"] {
+        for sky in [
+            "sun = { direction = [0.36, 0.48, -0.8], irradiance = 2,",
+            "stars = { file = \"one.csv\",",
+        ] {
+            let width: f64 = diameter.trim_end_matches(" deg").parse().unwrap();
+            let text = format!(
+                "[camera]\neye = [0, 0, 0]\nforward = [0.36, 0.48, -0.8]\nhfov = \"{} deg\"\nsize = [64, 64]\n\
+                 [radiance]\nquantity = \"rgb\"\n[sky]\n{sky} diameter = \"{diameter}\" }}",
+                4.0 * width
+            );
+            let film = stage::film(&stage::scene_in(folder.path(), &text));
+            let lit = film.radiance().iter().filter(|l| l[0] > 0.0).count();
+            let part = lit as f64 / 64f64.powi(2) / (PI / 64.0);
+            assert!((part - 1.0).abs() < 0.05, "{sky} {diameter}: {part}");
+        }
+    }
+}
+
+#[test]
 fn the_sun_ahead_of_a_fast_camera_is_seen_with_its_whole_light_wherever_it_lies_among_pixels() {
     // Ahead at 0.99 c the sun has a radius of 0.02°, a tenth of a pixel. A plane surface receives W⁻² of its energy.
     let beta: f64 = 0.99;

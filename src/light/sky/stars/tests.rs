@@ -66,7 +66,7 @@ fn directions_see_the_stars_in_whose_discs_they_lie_alone_and_in_blocks() {
         let together = seen(&map, &directions, &vec![1e-12; 5000], |_| [1.0; 3]);
         let mut lit = 0;
         for (d, together) in directions.iter().zip(together) {
-            let within = stars.iter().filter(|s| d.dot(s.direction) > map.cosine);
+            let within = stars.iter().filter(|s| map.disc.around(s.direction, *d));
             let expected = within.count() as f64 * map.density;
             assert!(
                 (together[0] - expected).abs() <= 1e-12 * expected,

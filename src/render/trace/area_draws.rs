@@ -4,14 +4,11 @@
 use glam::DVec3;
 
 use super::light_tree::{LightTree, Receivers};
-use super::occlusion::lifted;
+use super::occlusion::{lifted, shadow_end};
 use super::spherical_triangle::Triangle;
 use crate::accel::sincos::sincos_each;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, load};
 use crate::spacetime::{Boost, Direction, Rest, World, unit_and_length_or_nan};
-
-/// Fraction of the way to the shining surface at which shadow rays end, so that the surface does not shadow itself.
-pub(super) const SHORTER: f64 = 1.0 - 1e-6;
 
 /// Samples of area lights at the points of a run: for each point, one sample of all elements.
 #[derive(Debug, Default)]
@@ -31,7 +28,7 @@ pub(super) struct AreaDraws {
     /// The direction to that point in the rest frame of the point that is lit, and in the world.
     pub l: Columns,
     pub d: Columns,
-    /// The length of the shadow ray, metres of the world.
+    /// The length of the shadow ray, metres of the world: up to [`shadow_end`].
     pub distances: Vec<f64>,
     /// W.
     pub ratios: Vec<f64>,
@@ -47,6 +44,8 @@ pub(super) struct SeenPoints {
     pub x: Columns,
     pub normals: Columns,
     pub tilts: Vec<f64>,
+    /// The magnitudes of the coordinates that determine the rounding errors of `x`.
+    pub sizes: Vec<f64>,
 }
 
 impl AreaDraws {
@@ -76,6 +75,8 @@ pub(super) struct Draws<'a> {
     /// The tree's first triangle, in the numbering of all elements.
     pub first: u32,
     pub to_world: &'a Boost<World, Rest>,
+    /// As for [`shadow_end`].
+    pub stretch: f64,
     /// `None` if no boost is needed.
     pub from_world: Option<&'a Boost<Rest, World>>,
     /// The points in the frame.
@@ -134,6 +135,7 @@ impl VectorLoop for Draws<'_> {
             tree,
             first,
             to_world,
+            stretch,
             from_world,
             seen,
             normals,
@@ -150,7 +152,7 @@ impl VectorLoop for Draws<'_> {
                 tilt: [0.0; BLOCK],
             };
             let mut facing = Vectors::ZERO;
-            let (mut x, mut y) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let (mut x, mut y, mut sizes) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
             let mut lane = 0;
             while lane < count {
                 let k = draws.chosen[begin + lane] as usize;
@@ -159,6 +161,7 @@ impl VectorLoop for Draws<'_> {
                 receivers.tilt[lane] = seen.tilts[k];
                 facing.set(lane, normals.get(k));
                 (x[lane], y[lane]) = (numbers[0][k], numbers[1][k]);
+                sizes[lane] = seen.sizes[k];
                 lane += 1;
             }
 
@@ -229,7 +232,7 @@ impl VectorLoop for Draws<'_> {
                 let density = if wide[k] { by_angle } else { by_area };
                 ls.set(k, l.unit());
                 ds.set(k, d.unit());
-                distances[k] = distance * ratio * SHORTER;
+                distances[k] = shadow_end([distance, cosine_there], [sizes[k], stretch]) * ratio;
                 ratios[k] = w;
                 // False for NaN too, if the point is on the element.
                 let falls = (cosine_there > 0.0) & (cosine > 0.0) & (density > 0.0);

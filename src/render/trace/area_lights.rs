@@ -95,6 +95,8 @@ pub(super) struct AreaDraw<'a> {
     pub clock_zero: f64,
     pub triangle: u32,
     pub distance: f64,
+    /// Of the angle between the direction and the triangle's normal.
+    pub cosine: f64,
     /// The irradiance for an emission of 1, over the density.
     pub light: [f64; 3],
     pub sent: Sent,
@@ -339,6 +341,7 @@ impl AreaLights {
             clock_zero: rest.patch(element.triangle).object_origin.ct,
             triangle: element.triangle,
             distance,
+            cosine: cosine_there,
             light: incident.irradiance,
             sent: Sent {
                 l,

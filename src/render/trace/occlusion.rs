@@ -367,6 +367,19 @@ pub(super) fn shadow_start(size: f64, direction: DVec3) -> f64 {
     CLEARANCE * size / direction.length()
 }
 
+/// The distance at which a ray ends that leaves a surface for a point of a triangle, `distance` away and seen at this `cosine` to the
+/// triangle's normal. The triangle itself does not block it, but a neighbour across an edge or another surface in the same plane could, if
+/// its hit came out nearer than the end; so hits within e of the plane of the triangle do not count, e/cosine along the ray.
+///
+/// e bounds how far the ray passes from the point. Its direction is that from the [`lifted`] start, 2⁻⁴² of `size` beside its own. The place is
+/// rounded by about 2⁻⁵³ of its coordinates, which are at most those of the start and the distance. And the direction is rounded by 2⁻⁵³ in
+/// the world: the boost to the frame of the triangle multiplies that by up to γ, along a way that is up to γ(1 + β) times as long in the
+/// world, together about `stretch` = 2γ² − 1, which is 1 at rest.
+#[inline(always)]
+pub(super) fn shadow_end([distance, cosine]: [f64; 2], [size, stretch]: [f64; 2]) -> f64 {
+    distance - CLEARANCE * stretch * (size + distance) / cosine
+}
+
 /// `x`, lifted off its surface by as much as rays are that leave it: beyond any rounding error, so that no triangle of the surface is above
 /// it.
 #[inline(always)]

@@ -79,11 +79,14 @@ impl ShiningFrames {
             draws.chosen.clear();
             let all = draws.frames.iter().enumerate();
             let chosen = all.filter(|(_, frame)| **frame == at as u32);
+            let frame = &surfaces.rest(lights.frame).frame;
+            let gamma = frame.velocity().gamma();
             draws.chosen.extend(chosen.map(|(k, _)| k as u32));
             dispatch(Draws {
                 tree: &lights.tree,
                 first: lights.first,
-                to_world: surfaces.rest(lights.frame).frame.world_from_frame(),
+                to_world: frame.world_from_frame(),
+                stretch: 2.0 * gamma * gamma - 1.0,
                 from_world: surfaces.boost(run.frame),
                 seen,
                 normals: &points.normals,
@@ -111,22 +114,26 @@ impl ShiningFrames {
             seen.x.resize(run.count());
             seen.normals.resize(run.count());
             seen.tilts.resize(run.count(), 0.0);
+            seen.sizes.resize(run.count(), 0.0);
             for k in 0..run.count() {
                 let (own, normal) = (points.positions.get(k), points.geometric(k));
                 // Only a point at rest with the triangles is lifted off its surface.
-                let receiver = if is_own {
-                    let x = lifted(shadow_size(points.eye(k), own), own, normal);
-                    at_rest(x, normal)
+                let (receiver, size) = if is_own {
+                    let size = shadow_size(points.eye(k), own);
+                    (at_rest(lifted(size, own, normal), normal), size)
                 } else {
-                    let event = run
-                        .point(k)
-                        .map(|point| surfaces.event(lights.frame, &point));
-                    let x = event.map_or(DVec3::NAN, |event| event.x);
-                    receiver(surfaces, (run.frame, normal), lights.frame, x)
+                    let place = |point: &SurfacePoint| {
+                        let x = surfaces.event(lights.frame, point).x;
+                        (x, shadow_size(surfaces.origin(lights.frame, point), x))
+                    };
+                    let place = run.point(k).as_ref().map(place);
+                    let (x, size) = place.unwrap_or((DVec3::NAN, f64::NAN));
+                    let receiver = receiver(surfaces, (run.frame, normal), lights.frame, x);
+                    (receiver, size)
                 };
                 seen.x.set(k, receiver.x);
                 seen.normals.set(k, receiver.normal);
-                seen.tilts[k] = receiver.tilt;
+                (seen.tilts[k], seen.sizes[k]) = (receiver.tilt, size);
             }
         }
     }

@@ -21,11 +21,10 @@
 
 use glam::DVec3;
 
-use super::area_draws::SHORTER;
 use super::base_colours::BaseColour;
 use super::camera_rays::Samples;
 use super::emitted::Colouring;
-use super::occlusion::{lifted, shadow_ray, shadow_size};
+use super::occlusion::{lifted, shadow_end, shadow_ray, shadow_size};
 use super::onward::{CHOICE, ONWARD};
 use super::paths::{AREA, balance};
 use super::rest_frame::{Patch, RestFrame};
@@ -615,7 +614,8 @@ impl TimedPaths<'_> {
             let numbers = self::samples(&[pixel], index, depth).on_path(AREA);
             let reflection = &vertex.reflection;
             let geometric = reflection.geometric_normal();
-            let x = lifted(shadow_size(vertex.from, vertex.x), vertex.x, geometric);
+            let size = shadow_size(vertex.from, vertex.x);
+            let x = lifted(size, vertex.x, geometric);
             let place = (x, reflection.normal(), geometric);
             let base = (&self.light.base, self.rest);
             let Some(draw) = areas.drawn_from(base, place, numbers) else {
@@ -638,7 +638,7 @@ impl TimedPaths<'_> {
             }
             let way = draw.sent.shadows.then(|| Segment {
                 ray: shadow_ray(vertex.from, vertex.x, l),
-                s_max: draw.distance * SHORTER,
+                s_max: shadow_end([draw.distance, draw.cosine], [size, 1.0]),
                 skip: Some(vertex.hit.triangle),
                 end: Some(draw.triangle),
             });

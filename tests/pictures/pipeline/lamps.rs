@@ -207,6 +207,54 @@ fn the_power_of_a_panel_is_what_it_sends_from_all_sides_that_shine() {
     }
 }
 
+/// The radiance of a white wall below a shining object, and a black one.
+fn under(shining: &str, black: &str, light: &str) -> Vec<[f64; 3]> {
+    let scene = stage::scene(&format!(
+        "[camera]\neye = [0, 1, 3]\nforward = [0, -1, -3]\nhfov = \"40 deg\"\nsize = [16, 12]\n\
+         [[object]]\nname = \"wall\"\nshape = {{ plane = {{ size = [50, 50] }} }}\ncolour = [1, 1, 1]\n\
+         [[object]]\nname = \"shining\"\n{shining}\n\
+         [[object]]\nname = \"black\"\ncolour = [0, 0, 0]\n{black}\n\
+         [[light]]\ntype = \"area\"\nobject = \"shining\"\nradiance = 1\n{light}"
+    ));
+    stage::film(&scene).radiance().to_vec()
+}
+
+/// A square above the wall.
+fn above(size: f64, y: f64) -> String {
+    format!(
+        "shape = {{ plane = {{ size = [{size}, {size}] }} }}\n\
+         transform = {{ translate = [0, {y}, 0], rotate = {{ axis = [1, 0, 0], angle = \"180 deg\" }} }}"
+    )
+}
+
+#[test]
+fn what_is_close_in_front_of_a_distant_panel_blocks_all_of_its_light() {
+    for (y, gap) in [(1e3, 5e-4), (1e7, 5.0), (1e9, 500.0)] {
+        let lit = under(&above(y / 10.0, y), &above(1.0, -1.0), "");
+        let dark = under(&above(y / 10.0, y), &above(y / 9.0, y - gap), "");
+        assert!(lit.iter().all(|l| l[0] > 1e-3), "{y}");
+        assert!(dark.iter().all(|l| l[0] == 0.0), "{y}");
+    }
+}
+
+#[test]
+fn neither_its_own_triangles_nor_a_ceiling_in_its_plane_shadow_what_shines() {
+    let ball = "shape = { sphere = { radius = 0.4, subdivisions = 4 } }\ntransform = { translate = [1000, 3000, 0] }";
+    let folded = "shape = { box = { size = [0.7, 0.5, 0.4] } }\n\
+                  transform = { translate = [0.3, 2, 0], rotate = { axis = [1, 2, 3], angle = \"40 deg\" } }";
+    let pane = above(0.7, 2.0);
+    for (shining, black) in [
+        (ball, above(1.0, -1.0)),
+        (folded, above(1.0, -1.0)),
+        (&pane, above(5.0, 2.0)),
+        (&pane, above(0.7, 2.0)),
+    ] {
+        let [with, without] = ["", "shadows = false"].map(|light| under(shining, &black, light));
+        assert!(with.iter().any(|l| l[0] > 0.0));
+        assert_eq!(with, without, "{shining} {black}");
+    }
+}
+
 #[test]
 fn a_panel_with_a_spectrum_lights_by_it_as_surfaces_see_it() {
     // E_F = W² B(λ; T/W) A cos θ_F cos θ_G/r_G², by the light's own spectrum and by that of its object.

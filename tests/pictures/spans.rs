@@ -129,6 +129,54 @@ fn means_are_those_of_what_lookups_find() {
     }
 }
 
+#[test]
+fn the_mean_over_a_very_short_span_is_the_value_there() {
+    let later = |t: f64, ulps: u32| (0..ulps).fold(t, |t, _| t.next_up());
+    let uv = DVec2::new(0.37, 0.61);
+    for filter in FILTERS {
+        for fills in FILLS {
+            let texture = texture(40, 3, filter, fills).with_sums();
+            for from in [
+                -1e9, -3.7, -0.96, -0.95, 1e-17, 0.01, 0.55, 1.23456, 2.97, 7.3, 1e9,
+            ] {
+                for to in [
+                    from,
+                    later(from, 1),
+                    later(from, 2),
+                    later(from, 7),
+                    from + 1e-13,
+                    from + 1e-8,
+                ] {
+                    let mean = texture.mean_uv(uv, [from, to], &Near::default());
+                    // A step of the nearest filter is at 0 and at −0.9 only, up to rounding.
+                    let error = difference(&mean, &texture.sample_uv(uv, from));
+                    assert!(error < 1e-5, "{filter:?} {fills:?} {from} {to}: {error:e}");
+                }
+            }
+            // At the ends of the data, where held, marked and black times join, parts are between none and all.
+            for at in [-1.0, 3.0] {
+                for (before, after) in [(0, 0), (1, 0), (0, 1), (1, 2), (3, 1)] {
+                    let from = (0..before).fold(at, |t: f64, _| t.next_down());
+                    let mean = texture.mean_uv(uv, [from, later(at, after)], &Near::default());
+                    let parts = [
+                        mean.coverage.held,
+                        mean.coverage.before,
+                        mean.coverage.after,
+                    ];
+                    assert!(
+                        parts.iter().all(|part| (0.0..=1.0).contains(part)),
+                        "{parts:?}"
+                    );
+                    assert!(
+                        mean.radiance.iter().all(|l| (0.0..=20.0).contains(l)),
+                        "{mean:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// Not a limit, but a figure: `cargo test --release --test pictures spans:: -- --nocapture --ignored`.
 #[test]
 #[ignore = "measures"]

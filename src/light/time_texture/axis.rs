@@ -197,20 +197,29 @@ impl Timeline {
             .max(-3.0)
             .min(last + 4.0);
         match &self.reading {
-            Reading::Uniform(TimeFilter::Nearest) => self.run(b.max(0.0).min(last) as i64, [1.0]),
-            Reading::Uniform(TimeFilter::Linear) => {
+            Reading::Uniform(filter) => self.filtered(*filter, b),
+            Reading::Irregular(bins) => self.irregular(bins, t),
+        }
+    }
+
+    /// The bins that are read `b` bins after the start.
+    #[inline]
+    pub fn filtered(&self, filter: TimeFilter, b: f64) -> BinWeights {
+        let last = self.bins as f64 - 1.0;
+        match filter {
+            TimeFilter::Nearest => self.run(b.max(0.0).min(last) as i64, [1.0]),
+            TimeFilter::Linear => {
                 let (k, f) = split(b - 0.5);
                 self.run(k, [1.0 - f, f])
             }
-            Reading::Uniform(TimeFilter::Cubic) => {
+            TimeFilter::Cubic => {
                 let (k, f) = split(b - 0.5);
                 self.run(k - 1, catmull_rom(f))
             }
-            Reading::Uniform(TimeFilter::CubicMeans) => {
+            TimeFilter::CubicMeans => {
                 let (k, f) = split(b - 0.5);
                 self.run(k - 2, less_curvature(catmull_rom(f)))
             }
-            Reading::Irregular(bins) => self.irregular(bins, t),
         }
     }
 

@@ -85,7 +85,7 @@ fn discs_of_sun_and_stars_keep_their_area_in_the_narrowest_fields_of_view() {
     // Seen across a quarter of a square picture, a disc fills π/64 of it.
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("one.csv"), "0.36,0.48,-0.8,0,6000\n").unwrap();
-    for diameter in ["1e-4 deg", "3e-6 deg", "1e-6 deg", "3e-8 deg"] {
+    for diameter in ["1e-4 deg", "3e-6 deg", "1e-6 deg", "6e-8 deg"] {
         for sky in [
             "sun = { direction = [0.36, 0.48, -0.8], irradiance = 2,",
             "stars = { file = \"one.csv\",",

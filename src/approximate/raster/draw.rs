@@ -399,12 +399,18 @@ impl StripSamples<'_> {
         Direction::from_unit(self.camera_rays.directions[sample])
     }
 
+    /// W of a sample for sources at rest in the world, as the sky is.
+    #[inline]
+    pub fn world_ratio(&self, sample: usize) -> f64 {
+        self.camera_rays.ratios[sample]
+    }
+
     /// The W that a ray along `d` must have for a source at rest in the world, so that a hit in rest frame `frame` is seen with the
     /// wavelength that the sample's own direction gives.
     #[inline]
     pub fn ratio(&self, sample: usize, frame: u32, d: Direction<World>) -> f64 {
         let (_, rho) = self.surfaces.direction(frame, self.direction(sample));
-        self.ratio_of(self.camera_rays.ratios[sample] * rho, frame, d)
+        self.ratio_of(self.world_ratio(sample) * rho, frame, d)
     }
 
     /// The same if the hit is seen with wavelength ratio `w`.

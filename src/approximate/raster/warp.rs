@@ -87,7 +87,10 @@ impl Visibility for Warped {
             for (texel, part) in taps.into_iter().filter(|tap| tap.1 > 0.0) {
                 let hit = self.texels[texel as usize];
                 let d = Direction::from_unit(self.map.direction(texel.into()));
-                let ratio = hit.map_or(1.0, |hit| samples.ratio(sample, hit.frame, d));
+                let ratio = match hit {
+                    Some(hit) => samples.ratio(sample, hit.frame, d),
+                    None => samples.world_ratio(sample),
+                };
                 rays.add(d.unit(), ratio, hit, part);
             }
         }

@@ -67,6 +67,71 @@ fn wavelength_ratios_are_exact_and_times_nearly_so() {
 }
 
 #[test]
+fn a_moving_camera_sees_the_sky_of_a_warp_shifted_like_the_traced_one() {
+    let fast = camera("velocity = { beta = [0, 0, -0.5] }");
+    let sky_of = |sky: &str, method: &str| {
+        let stage = centred(&scene(&(fast.clone() + BODIES + sky)));
+        let film = film(&stage, method);
+        let ratios = values(&film, Aov::WavelengthRatio).to_vec();
+        let object = values(&film, Aov::Object);
+        let sky = (0..object.len()).filter(|i| object[*i] < 0.0);
+        // Whether the channel has a number there, and the radiance.
+        sky.map(|i| (i, ratios[i].is_nan(), film.radiance()[i]))
+            .collect::<Vec<_>>()
+    };
+    let rgb = "[radiance]\nquantity = \"rgb\"\n";
+    let lamp = "[[light]]\nposition = [0, 3, 0]\n";
+    // Those that are the same in all directions have no error of texels, the others one of their sum.
+    for (sky, tolerance) in [
+        ("[sky]\nradiance = [1, 0.5, 0.2]\n".to_string(), 1e-9),
+        (format!("[sky]\nradiance = [1, 0.5, 0.2]\n{rgb}"), 1e-3),
+        (
+            format!("[sky]\nspectrum = {{ blackbody = \"4000 K\" }}\n{rgb}"),
+            1e-3,
+        ),
+        ("[sky]\ngradient = {}\n".into(), 1e-2),
+        (
+            "[sky]\nradiance = 0\nsun = { direction = [0, 0.3, -1], diameter = \"8 deg\" }\n"
+                .into(),
+            5e-2,
+        ),
+        (
+            "[sky]\nradiance = 0\nstars = { count = 2000 }\n".into(),
+            5e-2,
+        ),
+        // As observed, whatever moves.
+        (
+            format!("[display]\nbackground = [1, 0.5, 0.2]\n{lamp}"),
+            0.0,
+        ),
+    ] {
+        let [traced, warped] = ["trace", "warp:cube=512"].map(|method| sky_of(&sky, method));
+        let mean = |all: &[(usize, bool, [f64; 3])]| {
+            let sum = |c: usize| all.iter().map(|(.., l)| l[c]).sum::<f64>();
+            [0, 1, 2].map(|c| sum(c) / all.len() as f64)
+        };
+        assert!(traced.len() > 1000 && warped.iter().all(|pixel| pixel.1));
+        let (a, b) = (mean(&traced), mean(&warped));
+        for c in 0..3 {
+            assert!(
+                (a[c] - b[c]).abs() <= tolerance * a[c],
+                "{sky}: {a:?}, {b:?}"
+            );
+        }
+        // Pixel by pixel where there is no error of texels.
+        let both = traced
+            .iter()
+            .filter_map(|t| Some((t, warped.iter().find(|w| w.0 == t.0)?)));
+        if tolerance < 2e-3 {
+            for (t, w) in both {
+                let near = (0..3).all(|c| (t.2[c] - w.2[c]).abs() <= tolerance.max(1e-9) * t.2[c]);
+                assert!(near, "{sky}: {t:?}, {w:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn bilinear_lookup_of_a_smooth_radiance_is_of_second_order() {
     let lamp = "[[source]]\nname = \"lamp\"\npulse = { position = [1, 2.5, 2], time = \"0 m\", sigma = \"50 m\", intensity = 10, shadows = false }\n";
     let floor = BODIES.split("[[object]]").nth(1).unwrap();

@@ -104,6 +104,8 @@ pub struct Factors {
     pub double_sided: bool,
     /// Whether it emits light, in scenes that are lit.
     pub emits: bool,
+    /// Whether metalness and roughness are multiplied by a texture.
+    pub has_gloss_texture: bool,
 }
 
 impl Factors {
@@ -119,7 +121,7 @@ impl Factors {
 
     /// Whether it has any reflection that is not diffuse.
     pub fn is_glossy(&self) -> bool {
-        self.metallic > 0.0 || self.roughness < 1.0 || self.is_glass()
+        self.metallic > 0.0 || self.roughness < 1.0 || self.has_gloss_texture || self.is_glass()
     }
 }
 
@@ -179,6 +181,7 @@ impl Material {
             transmission: self.transmission,
             double_sided: self.double_sided,
             emits: self.emissive != [0.0; 3],
+            has_gloss_texture: self.metallic_roughness_texture.is_some(),
         }
     }
 

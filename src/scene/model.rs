@@ -51,7 +51,7 @@ pub struct Scene {
     pub read: Vec<PathBuf>,
     /// Speed of light of this scene, metres per second: only for converting seconds at the edges.
     pub speed_of_light: f64,
-    /// Refractive index η ≥ 1 of the world-static medium; affects the delay only.
+    /// Refractive index η ≥ 1 of the world-static medium; affects the delay of light, and what dielectrics reflect and refract.
     pub medium_index: f64,
     /// The camera.
     pub camera: CameraModel,

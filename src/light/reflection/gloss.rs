@@ -180,9 +180,9 @@ pub(super) fn diffuse_and_specular(
     ]
 }
 
-/// f₀ of a dielectric with this index: 0.04 to the last bit for 1.5, as both squares are exact.
-pub(crate) fn reflectance_of_index(ior: f64) -> f64 {
-    (ior - 1.0) * (ior - 1.0) / ((ior + 1.0) * (ior + 1.0))
+/// f₀ of a dielectric whose index is this many times that of the medium: 0.04 to the last bit for 1.5, as both squares are exact.
+pub(crate) fn reflectance_of_index(relative: f64) -> f64 {
+    (relative - 1.0) * (relative - 1.0) / ((relative + 1.0) * (relative + 1.0))
 }
 
 /// α of a perceptual roughness.

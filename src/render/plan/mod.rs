@@ -7,6 +7,7 @@ mod bindings;
 mod check;
 mod frames;
 mod inside;
+mod medium;
 mod memory;
 mod notes;
 mod planned;
@@ -46,6 +47,7 @@ impl Plan {
         let mut objects = inspect_objects(scene)?;
         inside::check(scene, &objects)?;
         bindings::check(scene, &objects)?;
+        medium::check(scene, &objects)?;
         let wants_uv = request
             .aovs
             .iter()
@@ -243,6 +245,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                     transmission: *transmission,
                     double_sided: matches!(shape, Shape::Plane { .. }),
                     emits: false,
+                    has_gloss_texture: false,
                 }],
                 has_gloss_textures: false,
                 images: 0,

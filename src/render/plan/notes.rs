@@ -179,7 +179,8 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     notes.extend(unshown(scene, &plan.objects));
     if scene.medium_index != 1.0 {
         notes.push(format!(
-            "the medium's index {} delays light without refraction: directions are those of vacuum",
+            "the medium's index {0} delays light, and dielectrics refract and reflect by ior/{0}; other directions, Doppler shifts and \
+             brightness are those of vacuum",
             scene.medium_index
         ));
     }

@@ -413,7 +413,7 @@ fn gloss(scene: &Scene, material: &Material, textures: &[usize]) -> Option<Gloss
         metallic: f64::from(material.metallic),
         roughness: f64::from(material.roughness),
         texture: lookup(&material.metallic_roughness_texture, textures),
-        dielectric: reflectance_of_index(f64::from(material.ior)),
+        dielectric: reflectance_of_index(relative_index(scene, material)),
     })
 }
 
@@ -421,9 +421,14 @@ fn gloss(scene: &Scene, material: &Material, textures: &[usize]) -> Option<Gloss
 fn glass(scene: &Scene, material: &Material) -> Option<Glass> {
     (scene.bounces > 0 && material.transmission > 0.0).then(|| Glass {
         transmission: f64::from(material.transmission),
-        index: f64::from(material.ior) / scene.medium_index,
+        index: relative_index(scene, material),
         solid: material.solid,
     })
+}
+
+/// The refractive index of a material over that of the medium around it, by which it reflects and refracts.
+fn relative_index(scene: &Scene, material: &Material) -> f64 {
+    f64::from(material.ior) / scene.medium_index
 }
 
 /// The emission of a surface in a scene with lights: from its material, or as an area light.

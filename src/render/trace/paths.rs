@@ -65,8 +65,9 @@
 //!
 //! In a body of index n, light has the tangent (−n, d) of its rest frame F in place of (−1, d), which is transformed through all frames
 //! like any other; its frequency in F stays, so W is 1 for everything at rest in the body. Objects that move relative to a body around
-//! them are not computed, and neither are touching bodies of glass: seen from inside, the other side is the scene's medium. Reflection
-//! and refraction are those of [`reflection`](crate::light::reflection). Lamps without extent are not found through glass, and glass
+//! them are not computed, and neither are touching bodies of glass: seen from inside, the other side is the scene's medium. Bodies that
+//! move in a medium are refused, and rays from a camera inside a body have the delay of the medium up to its surface. Reflection and
+//! refraction are those of [`reflection`](crate::light::reflection). Lamps without extent are not found through glass, and glass
 //! blocks sampled light of others: their light through it is found by rays that hit them, like that of the sky.
 //!
 //! Missing data of a cube are dark for other surfaces. Lines of different shifts in one sample are shown at their mean wavelength.

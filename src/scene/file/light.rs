@@ -53,14 +53,16 @@ pub(in crate::scene) struct Light {
     pub spectrum: Option<At<Spectrum>>,
     /// The object whose surface is the area light.
     pub object: Option<At<String>>,
-    /// World time (ct) at which the light's clock shows 0 and it is at `position`. Default: "0 m".
+    /// World time (ct) at which the light's clock shows 0 and it is at `position`. For a directional light: at which what it sends at its own
+    /// time 0 passes the world's origin. Default: "0 m".
     #[serde(default = "Light::clock_zero")]
     pub clock_zero: At<Time>,
     /// Velocity in the world when the light's clock shows 0. Default: at rest.
     pub velocity: Option<At<Velocity>>,
     /// The motion of a point or spot light from there. Default: without acceleration.
     pub motion: Option<At<Motion>>,
-    /// Its brightness as a function of its own proper time; for an area light, that of its object. Default: steady.
+    /// Its brightness as a function of its own proper time; for an area light, that of its object; for a directional light,
+    /// that of `clock_zero`. Default: steady.
     pub emission: Option<At<Emission>>,
     /// Whether surfaces cast shadows in its light. Default: true.
     #[serde(default = "Light::shadows")]

@@ -120,8 +120,9 @@ impl Scene {
     expecting = "a table like { index = 1.33 }"
 )]
 pub(in crate::scene) struct Medium {
-    /// Refractive index η ≥ 1 of the medium, which rests in the world. It lengthens the delay of light (η metres per metre) and has no
-    /// other effect: no refraction. Default: 1.
+    /// Refractive index η ≥ 1 of the medium, which rests in the world. It lengthens the delay of light (η metres per metre), and
+    /// glass and other dielectrics refract and reflect by `ior`/η. All else is as in vacuum: aberration, Doppler shifts, brightness. In
+    /// a medium, lights have to rest, and what moves and reflects light has to be matte. Default: 1.
     pub index: At<Number>,
 }
 

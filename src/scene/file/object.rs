@@ -48,7 +48,7 @@ pub(in crate::scene) struct Object {
     /// smooth body of index `ior`, whatever its roughness. Default: 0.
     pub transmission: Option<At<Number>>,
     /// Refractive index of the shape unless it is a metal, 1 to 10: it determines how much light the surface mirrors and, for glass, how
-    /// it refracts. Surfaces of roughness 1 without metalness are diffuse, whatever their index. Default: 1.5.
+    /// it refracts, both by its ratio to `medium.index`. Surfaces of roughness 1 without metalness are diffuse, whatever their index. Default: 1.5.
     pub ior: Option<At<Number>>,
     /// Further texture coordinates, as the set after those of the mesh: made by `nullray bake --atlas` for models whose own do not cover
     /// every point uniquely.

@@ -14,6 +14,7 @@ mod glass;
 mod invariance;
 mod lamps;
 mod lorentz;
+mod medium;
 mod moving_pulse;
 mod outlines;
 mod passes;

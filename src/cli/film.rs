@@ -149,6 +149,7 @@ impl Rendered {
             &remarks::other_times(scene, &self.film, &mut self.prepared),
         )?;
         say(quiet, &remarks::enclosed(scene, &self.prepared))?;
+        say(quiet, &remarks::in_glass(scene, &self.prepared))?;
         say(quiet, &times)?;
         say(quiet, &shift)?;
         warn(quiet, &self.warnings);

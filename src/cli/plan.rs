@@ -2,8 +2,9 @@
 
 use nullray::Result;
 use nullray::figures::overlay;
+use nullray::mesh::Factors;
 use nullray::render;
-use nullray::render::plan::Request;
+use nullray::render::plan::{PlannedObject, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::survey;
@@ -60,15 +61,19 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     let is_pulse = |source: &Source| matches!(source.kind, SourceKind::Pulse(_));
     let is_timed = scene.lights.iter().any(is_timed) || scene.sources.iter().any(is_pulse);
     let triangles: u64 = plan.objects.iter().map(|object| object.triangles).sum();
-    // Textures may make surfaces into mirrors, along which light is traced.
-    let has_gloss_textures = plan.objects.iter().any(|object| object.has_gloss_textures);
-    let is_followed = scene.bounces > 0 && has_gloss_textures;
+    // Textures may make surfaces into mirrors, along which light is traced; and the camera may be inside glass.
+    let matters = |object: &PlannedObject| {
+        object.has_gloss_textures || object.factors.iter().any(Factors::is_glass)
+    };
+    let is_followed = scene.bounces > 0 && plan.objects.iter().any(matters);
     if (is_timed || is_followed) && bytes <= LOOKED_INTO && triangles <= LOADED {
         // A plan tolerates meshes that cannot be read yet: rendering reports what is missing.
         if let Ok(mut prepared) = Prepared::new(&scene, &plan, &Silent) {
             survey::note_mirrors_by_texture(&scene, &mut plan, &prepared);
             let moments = survey::moments(&scene, &mut prepared, false);
             plan.notes.extend(moments.iter().map(with_flags));
+            let in_glass = remarks::in_glass(&scene, &prepared);
+            plan.notes.extend(in_glass.lines().map(str::to_owned));
         }
     }
     plan.notes.extend(remarks::will_be_shifted(&scene)?);

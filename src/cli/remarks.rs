@@ -370,8 +370,20 @@ pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
     lamps.map(line).collect()
 }
 
+/// A remark on a camera inside glass.
+pub fn in_glass(scene: &Scene, prepared: &Prepared) -> String {
+    let object = enclosed::glass_around_camera(prepared).and_then(|k| scene.objects.get(k));
+    object.map_or(String::new(), |object| {
+        format!(
+            "the camera is inside the glass of \"{}\": from its surface to the camera light takes as long as outside, not longer by the \
+             glass's index; place the camera outside for right times\n",
+            super::info::escaped(&object.name)
+        )
+    })
+}
+
 /// A number to four significant digits, with a power of ten if it would have many zeros.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     match rounded.abs() {
         size if size > 0.0 && !(1e-4..1e7).contains(&size) => format!("{rounded:e}"),

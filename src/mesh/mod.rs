@@ -5,8 +5,8 @@ pub mod shapes;
 mod triangles;
 
 pub use shapes::Shape;
-pub(crate) use triangles::normal_matrix;
 pub use triangles::{
     AlphaMode, Factors, MOST_INDEX, Material, Mesh, MeshError, Part, TextureFilter, TextureRef,
     TextureSampler, Wrap,
 };
+pub(crate) use triangles::{normal_matrix, solid_angle};

@@ -532,6 +532,13 @@ impl Mesh {
     }
 }
 
+/// The solid angle of a triangle as seen from a point, above 0 if it faces away: van Oosterom and Strackee, "The solid angle of a plane
+/// triangle", 1983.
+pub(crate) fn solid_angle(corners: [DVec3; 3], from: DVec3) -> f64 {
+    let [a, b, c] = corners.map(|p| (p - from).normalize_or_zero());
+    2.0 * libm::atan2(a.dot(b.cross(c)), 1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+}
+
 /// The matrix that transforms normals along with a linear map of positions, up to a positive factor: the inverse transpose, M⁻ᵀ = cof M/det M.
 ///
 /// Cofactors exist even for singular maps. The sign of det M keeps outward normals outward if the body is mirrored.

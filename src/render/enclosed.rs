@@ -1,12 +1,15 @@
-//! Lamps inside bodies, whose outside they do not light: one reason why a picture is dark.
+//! Lamps inside bodies, whose outside they do not light: one reason why a picture is dark. And cameras inside glass, which delays no light on
+//! its last way to them.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
+use std::f64::consts::TAU;
 
 use glam::DVec3;
 
 use crate::accel::{Bvh, Facing, Ray};
+use crate::mesh::solid_angle;
 use crate::render::prepare::Prepared;
-use crate::render::trace::{HitBuffer, Meter, Rays, Surfaces};
+use crate::render::trace::{Emitter, HitBuffer, Meter, Patch, Rays, Surfaces};
 use crate::scene::model::{Beam, LightKind, Scene, SourceKind};
 use crate::spacetime::{Event, World};
 
@@ -57,6 +60,35 @@ pub fn enclosed_lamps(scene: &Scene, prepared: &Prepared) -> Vec<EnclosedLamp> {
         })
     });
     found.collect()
+}
+
+/// Index of an object whose body of glass is around the pinhole at the event of the shot: light reaches the camera from its surface as if it
+/// came through the medium outside. The winding number of its faces is above ½ there: 1 inside a closed body, and 0 outside.
+pub fn glass_around_camera(prepared: &Prepared) -> Option<usize> {
+    let light = prepared.light.time_resolved()?;
+    let is_glass = |patch: &Patch| match &light.emitters[patch.emitter as usize].0 {
+        Emitter::Lit { finish, .. } => finish.glass.is_some_and(|glass| glass.solid),
+        _ => false,
+    };
+    let shot = prepared.camera.shot.event;
+    for rest in &prepared.frames {
+        if !rest.patches.iter().any(is_glass) {
+            continue;
+        }
+        let at = rest.frame.event_from_world(shot).x;
+        let mut angles: BTreeMap<u32, f64> = BTreeMap::new();
+        for slot in 0..rest.bvh.len() as u32 {
+            let patch = rest.patch(rest.bvh.triangle(slot).0);
+            if is_glass(patch) {
+                let angle = solid_angle(rest.bvh.corners(slot), at);
+                *angles.entry(patch.object).or_default() += angle;
+            }
+        }
+        if let Some((object, _)) = angles.into_iter().find(|(_, angle)| *angle > TAU) {
+            return Some(object as usize);
+        }
+    }
+    None
 }
 
 fn enclosing(prepared: &Prepared, at: Event<World>) -> Option<u32> {

@@ -274,6 +274,9 @@ impl Bake<'_> {
             let mut prepared = Prepared::new(scene, &plan, &Bar::new(0, true))?;
             self.check(&prepared, &mut jobs)?;
             say(quiet, &remarks::enclosed(scene, &prepared))?;
+            if jobs.iter().any(|job| job.surface.is_none()) {
+                say(quiet, &remarks::in_glass(scene, &prepared))?;
+            }
             // Of several objects those that an earlier run finished are kept, as frames of a sequence are.
             let all = jobs.len();
             if jobs.len() > 1 && !self.of_flash {

@@ -170,6 +170,8 @@ struct Done {
     /// The number of frames whose light is entirely shifted out of the visible range, and the remark on the first of them.
     shifted: u64,
     shift: String,
+    /// The remark on the first frame whose camera is inside glass.
+    in_glass: String,
     /// The number of frames that exceed the precision of a file, and the message for the first of them.
     beyond_precision: u64,
     limited: Option<String>,
@@ -370,6 +372,12 @@ impl Sequence<'_> {
                 self.done.shift = format!("frame {number}: {shift}");
             }
         }
+        if let (true, Some(prepared)) = (self.done.in_glass.is_empty(), &self.prepared) {
+            let text = remarks::in_glass(scene, prepared);
+            if !text.is_empty() {
+                self.done.in_glass = format!("frame {number}: {text}");
+            }
+        }
         let remark = remarks::blackness(scene, film, false, self.prepared.as_ref());
         if !remark.is_empty() {
             self.done.black += 1;
@@ -431,6 +439,7 @@ impl Sequence<'_> {
             ))?;
         }
         self.say(&done.shift)?;
+        self.say(&done.in_glass)?;
         let more = done.beyond_precision.saturating_sub(1);
         let limited = done.limited.iter().map(|text| match more {
             0 => text.clone(),

@@ -12,7 +12,7 @@ use super::view::VIEWPOINT;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::gltf::{self, BadTextures, BadVertices, GltfSummary, Want};
-use crate::mesh::{Material, Mesh};
+use crate::mesh::{self, Material, Mesh};
 
 /// Cells of directions along each half axis: 1/12, or 5°, over which a sphere deviates from its tangent plane by 4·10⁻³.
 const CELLS: usize = 12;
@@ -194,10 +194,7 @@ fn is_room(mesh: &Mesh, centre: DVec3) -> bool {
         if material.double_sided {
             return false;
         }
-        // Van Oosterom and Strackee, "The solid angle of a plane triangle", 1983: above 0 if it faces away from the centre.
-        let [a, b, c] = corners.map(|p| (p - centre).normalize_or_zero());
-        let volume = a.dot(b.cross(c));
-        solid_angle += 2.0 * libm::atan2(volume, 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        solid_angle += mesh::solid_angle(corners, centre);
     }
     solid_angle < ROOM * 4.0 * PI
 }

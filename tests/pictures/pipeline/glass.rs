@@ -2,6 +2,7 @@
 
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Bins, CubePrecision};
+use nullray::render::enclosed;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -178,4 +179,50 @@ samples_per_pixel = 64",
     let through = 1.0 - 0.08 / 1.04;
     assert_relative(mean(1), through, 5e-3, "green");
     assert_relative(mean(0), 0.5 * through, 5e-3, "red");
+}
+
+#[test]
+fn a_camera_inside_a_body_of_glass_is_found_there_and_only_there() {
+    let around = |eye: [f64; 3], keys: &str, bounces: u32| {
+        let scene = stage::scene(&format!(
+            "
+render.bounces = {bounces}
+[camera]
+eye = {eye:?}
+look_at = [0, 0, -9]
+size = [4, 4]
+[[object]]
+name = \"floor\"
+shape = {{ plane = {{ size = [9, 9] }} }}
+transform = {{ translate = [0, -3, 0] }}
+[[object]]
+name = \"glass\"
+{keys}
+[sky]
+radiance = 1"
+        ));
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        enclosed::glass_around_camera(&Prepared::new(&scene, &plan, &Silent).unwrap())
+    };
+    let block = "shape = { box = { size = [2, 2, 2] } }\ntransmission = 1\n";
+    for (eye, expected) in [
+        ([0.0, 0.0, 0.999], Some(1)),
+        ([0.9, -0.9, 0.0], Some(1)),
+        ([0.0, 0.0, 1.001], None),
+        ([0.0, 1.5, 0.0], None),
+    ] {
+        assert_eq!(around(eye, block, 2), expected, "{eye:?}");
+    }
+    // Opaque without bounces; a plane has no inside; and others are no glass.
+    let plane = "shape = { plane = { size = [2, 2] } }\ntransmission = 1\n";
+    assert_eq!(around([0.0; 3], block, 0), None);
+    assert_eq!(around([0.0, 1e-3, 0.0], plane, 2), None);
+    assert_eq!(
+        around([0.0; 3], &block.replace("transmission", "metallic"), 2),
+        None
+    );
+    // Contracted to 0.8 m on each side of its centre, where it is when the camera's clock shows 0.
+    let moving = format!("{block}velocity = {{ beta = [0.6, 0, 0] }}\n");
+    assert_eq!(around([0.79, 0.0, 0.0], &moving, 2), Some(1));
+    assert_eq!(around([0.81, 0.0, 0.0], &moving, 2), None);
 }

@@ -414,3 +414,43 @@ fn mirrors_that_textures_make_lose_light_and_are_named() {
         }
     }
 }
+
+#[test]
+fn a_camera_inside_glass_is_remarked_in_the_plan_and_with_pictures() {
+    let folder = Folder::empty();
+    let scene = |eye: &str| {
+        format!(
+            "[camera]\neye = {eye}\nlook_at = [0, 0, -9]\nsize = [8, 6]\n[render]\nbounces = 2\n\
+             [[object]]\nname = \"block\"\nshape = {{ box = {{ size = [2, 2, 2] }} }}\ntransmission = 1\n\
+             [sky]\nradiance = 1\n"
+        )
+    };
+    for (eye, is_inside) in [("[0, 0, 0.5]", true), ("[0, 0, 3]", false)] {
+        folder.write("in.toml", scene(eye));
+        for command in [
+            &["plan", "in.toml"][..],
+            &["render", "in.toml", "-o", "in.png", "--white", "1"],
+            &[
+                "render",
+                "in.toml",
+                "-o",
+                "#.png",
+                "--white",
+                "1",
+                "--frames",
+                "0..2",
+                "--interval",
+                "1 mm",
+            ],
+        ] {
+            // Lines of the plan are broken.
+            let said = folder
+                .ok(command)
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" ");
+            let words = "camera is inside the glass of \"block\"";
+            assert_eq!(said.contains(words), is_inside, "{eye} {command:?}: {said}");
+        }
+    }
+}

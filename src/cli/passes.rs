@@ -18,7 +18,7 @@ use super::check::{check_all, check_beside};
 use super::film::{Rendered, times};
 use super::output::{Identity, Inputs, Outputs};
 use super::progress::Bar;
-use super::{inputs, interrupt, overlay, say, warn};
+use super::{inputs, interrupt, overlay, remarks, say, warn};
 
 /// Files are written again after this many times the duration of writing them, and after this many seconds.
 const WRITING_SHARE: f64 = 10.0;
@@ -236,7 +236,7 @@ impl Work<'_> {
 
     /// The message about tiles that have not reached the requested error.
     fn missing(&self) -> String {
-        let error = 100.0 * self.wanted.error.unwrap_or_default();
+        let error = remarks::short(100.0 * self.wanted.error.unwrap_or_default());
         let tiles = match self.passes.unsettled() {
             1 => "1 tile has".to_owned(),
             count => format!("{count} tiles have"),

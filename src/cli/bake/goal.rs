@@ -9,6 +9,7 @@ use nullray::render::bake::{Baked, Trials};
 
 use crate::cli::args::GoalArguments;
 use crate::cli::progress::Bar;
+use crate::cli::remarks::short;
 
 /// The numbers of samples that can be chosen: powers of two, whose points are spread best.
 pub const POSSIBLE: [u32; 16] = {
@@ -111,7 +112,7 @@ impl Goal {
     pub fn missed_by(self, baked: &Baked, chosen: &Chosen) -> Option<String> {
         let (wanted, error) = (100.0 * self.error?, 100.0 * baked.relative_error());
         (error > wanted).then(|| {
-            let next = 2 * chosen.samples;
+            let (next, wanted) = (2 * chosen.samples, short(wanted));
             format!(
                 "its error is {error:.2} %, more than the {wanted} % asked for: --spp {next} takes twice as long"
             )

@@ -337,8 +337,14 @@ fn beam(cx: &Context, at: &At<file::Light>) -> Result<Beam> {
                 let at_span = outer
                     .or(light.inner.as_ref())
                     .map_or(&at.span, |at| &at.span);
-                let what =
-                    "this is not a cone: `inner` is not below `outer`, or `outer` above 90 deg";
+                let what = match outer {
+                    None if inner > 0.0 => {
+                        "this is not a cone: `inner` is not below `outer`, which is 45 deg where it is not given"
+                    }
+                    _ => {
+                        "this is not a cone: `inner` is not below `outer`, or `outer` above 90 deg"
+                    }
+                };
                 let help =
                     "0 deg ≤ inner < outer ≤ 90 deg, like inner = \"20 deg\", outer = \"30 deg\"";
                 return Err(cx.report.refuse(at_span, what, help));

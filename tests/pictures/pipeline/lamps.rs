@@ -440,6 +440,10 @@ fn invalid_lights_are_refused_with_a_message() {
             "not a cone",
         ),
         (
+            "[[light]]\ntype = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, 1, 0]\ninner = \"50 deg\"",
+            "`outer`, which is 45 deg where it is not given",
+        ),
+        (
             "[[light]]\nposition = [0, 1, 0]\nemission = { train = { sigma = \"1 m\", period = \"0.5 m\" } }",
             "run together",
         ),

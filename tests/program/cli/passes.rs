@@ -53,6 +53,10 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
         said.contains("have not reached an error of 0.01 %"),
         "{said}"
     );
+    // Numbers are said as people write them.
+    let tiny = ["--error", "1e-9", "--passes", "2"];
+    let said = folder().ok(&[&TO_NPZ[..], &tiny].concat());
+    assert!(said.contains("an error of 1e-7 %"), "{said}");
     for passes in ["2", "8", "16", "24"] {
         let said = parts.ok(&[&TO_NPZ[..], &goal, &[passes]].concat());
         assert_eq!(

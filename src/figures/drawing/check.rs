@@ -7,7 +7,7 @@ use crate::figures::text::{Rect, Segment};
 use crate::io::image::RgbImage;
 
 /// The longest side of a page in points that PDF viewers open.
-const LONGEST_SIDE: f64 = 14_400.0;
+pub(in crate::figures) const LONGEST_SIDE: f64 = 14_400.0;
 /// The greatest coordinate and length, points.
 const FARTHEST: f64 = 1e5;
 /// The most dashes along one path.

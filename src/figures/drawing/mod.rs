@@ -48,6 +48,7 @@ mod style;
 pub mod svg;
 pub mod tikz;
 
+pub(super) use check::LONGEST_SIDE;
 pub use file::save;
 pub(crate) use image::push_base64;
 pub use path::{Node, Path};

@@ -35,6 +35,45 @@ fn an_unknown_event_is_refused_with_the_one_that_was_meant() {
 }
 
 #[test]
+fn type_and_lines_that_are_larger_than_the_page_are_refused() {
+    for key in ["font_size", "line_width"] {
+        let place = format!("diagram.style.{key}");
+        for (style, page) in [
+            (format!("{key} = 1e30"), "340 points wide"),
+            (format!("{key} = 341"), "340 points wide"),
+            (format!("width = \"1 in\"\n{key} = 73"), "72 points wide"),
+        ] {
+            let what = format!("`{key}` is in points, and the page is {page}");
+            check(
+                &format!("[diagram.style]\n{style}\n"),
+                &place,
+                &what,
+                "a few points",
+            );
+        }
+    }
+    let what = "no viewer opens a page";
+    check(
+        "[diagram.style]\nwidth = \"6 m\"\n",
+        "diagram.style.width",
+        what,
+        "\"5 m\"",
+    );
+}
+
+#[test]
+fn rates_that_no_file_can_state_are_refused() {
+    for fps in ["1e300", "1e9", "1e-9"] {
+        check(
+            &format!("[diagram.animation]\nnow = {{ from = 0, to = 1 }}\nfps = {fps}\n"),
+            "diagram.animation.fps",
+            "files cannot state this rate",
+            "25 or 29.97",
+        );
+    }
+}
+
+#[test]
 fn an_unknown_frame_is_refused() {
     check(
         "simultaneity = [{ frame = \"S'\", event = [0, 0] }]\n",

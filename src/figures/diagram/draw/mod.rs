@@ -11,14 +11,15 @@ mod theme;
 mod words;
 
 use super::layout::Layout;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::figures::diagram::model::Style;
-use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Drawing, Item, Text};
+use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Drawing, Item, LONGEST_SIDE, Text};
 use crate::figures::text::{Rect, RichText};
 use labels::Ground;
 pub(crate) use labels::Habits;
 use labels::{LEADING, widened, wrapped};
 use page::Page;
+pub(super) use page::WIDTH;
 use theme::Theme;
 
 /// Around labels, where a line that moves is interrupted, points.
@@ -43,7 +44,7 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
     let page = page(layout, style, &theme)?;
     let mut items = title(layout, &theme, &page)?;
     items.extend(notes(layout, &theme, &page)?);
-    let mut ground = Ground::new(page.width, page.height, theme.background);
+    let mut ground = Ground::new(page.width, page.height, &theme);
     for item in &items {
         if let Item::Text(text) = item {
             ground.words(beside(text.bounds()?));
@@ -142,7 +143,17 @@ fn page(layout: &Layout, style: &Style, theme: &Theme) -> Result<Page> {
         false => 0.0,
     };
     let foot = foot + notes_height(layout, theme);
-    Ok(Page::new(&layout.panels, style, head, foot))
+    let page = Page::new(&layout.panels, style, head, foot);
+    for (side, length) in [("wide", page.width), ("high", page.height)] {
+        if !(length > 0.0 && length <= LONGEST_SIDE) {
+            let what = format!("the page of the diagram would be {length:.0} points {side}");
+            let help = format!(
+                "at most {LONGEST_SIDE} points (200 inches): a smaller width or type, or fewer views, lines and notes"
+            );
+            return Err(Error::invalid("diagram", "style", what, help));
+        }
+    }
+    Ok(page)
 }
 
 /// The lines of a title on a page of this width, and the size of their type.

@@ -6,7 +6,7 @@ use crate::figures::drawing::Path;
 use crate::figures::text::Rect;
 
 /// Width of a view, points: 120 mm.
-const WIDTH: f64 = 340.0;
+pub(in crate::figures::diagram) const WIDTH: f64 = 340.0;
 /// The highest view, in parts of its width.
 const HIGHEST: f64 = 1.3;
 

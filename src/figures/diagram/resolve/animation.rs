@@ -5,6 +5,7 @@ use super::settings;
 use crate::error::Result;
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{Animation, Boost, Sweep};
+use crate::io::image::film::Delay;
 use crate::scene::At;
 
 /// The most pictures.
@@ -29,6 +30,12 @@ pub(super) fn resolve(
             .refuse(at, "nothing changes in this animation", help));
     }
     let fps = settings::positive(names.cx, &animation.fps, "`fps`")?;
+    if let (Some(at), Some(fps)) = (&animation.fps, fps)
+        && Delay::of_rate(fps).is_err()
+    {
+        let what = "files cannot state this rate: it is no fraction of numbers up to 65535";
+        return Err(names.cx.refuse(at, what, "give a rate like 25 or 29.97"));
+    }
     Ok(Some(Animation {
         frames: frames(names, &animation.frames)?,
         fps: fps.unwrap_or(DEFAULT_FPS),

@@ -4,14 +4,17 @@ use glam::DVec3;
 
 use super::placeholder::{filled, with_any_speeds};
 use crate::error::{Error, Result};
+use crate::figures::diagram::draw::WIDTH;
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{Style, Unit, part_across};
+use crate::figures::drawing::LONGEST_SIDE;
 use crate::figures::text::RichText;
 use crate::scene::At;
 use crate::scene::Context;
 use crate::scene::Kinematics;
 use crate::scene::{Number, Numbers};
 use crate::spacetime::SPEED_OF_LIGHT;
+use crate::spacetime::units::Length;
 use crate::spacetime::{Direction, World};
 
 /// Points of a metre of paper.
@@ -189,19 +192,44 @@ fn columns(cx: &Context, at: &Option<At<u32>>) -> Result<Option<u32>> {
     }
 }
 
+/// The width of the page, points.
+fn width(cx: &Context, at: &Option<At<Length>>) -> Result<Option<f64>> {
+    let Some(at) = at else { return Ok(None) };
+    let width = cx.positive_length(at, "`width`")? * POINTS;
+    if width <= LONGEST_SIDE {
+        return Ok(Some(width));
+    }
+    let what = "no viewer opens a page as wide as this";
+    Err(cx.refuse(at, what, "give at most \"5 m\", like \"120 mm\""))
+}
+
+/// A size on a page of this width, points.
+fn size(cx: &Context, at: &Option<At<Number>>, key: &str, page: f64) -> Result<Option<f64>> {
+    let size = positive(cx, at, &format!("`{key}`"))?;
+    match at {
+        Some(at) if size > Some(page) => {
+            let what = format!("`{key}` is in points, and the page is {page:.0} points wide");
+            Err(cx.refuse(
+                at,
+                what,
+                "give a few points, or a greater `width` of the page",
+            ))
+        }
+        _ => Ok(size),
+    }
+}
+
 pub(super) fn style(cx: &Context, style: &file::DiagramStyle) -> Result<Style> {
     let default = Style::default();
-    let width = style.width.as_ref();
-    let width = width
-        .map(|at| cx.positive_length(at, "`width`"))
-        .transpose()?;
+    let width = width(cx, &style.width)?;
+    let page = width.unwrap_or(WIDTH);
     Ok(Style {
         dark: matches!(style.theme, Some(file::Theme::Dark)),
-        width: width.map(|metres| metres * POINTS),
+        width,
         columns: columns(cx, &style.columns)?,
         height: None,
-        font_size: positive(cx, &style.font_size, "`font_size`")?.unwrap_or(default.font_size),
-        line_width: positive(cx, &style.line_width, "`line_width`")?.unwrap_or(default.line_width),
+        font_size: size(cx, &style.font_size, "font_size", page)?.unwrap_or(default.font_size),
+        line_width: size(cx, &style.line_width, "line_width", page)?.unwrap_or(default.line_width),
         legend: style.legend.unwrap_or(default.legend),
         ticks: style.ticks.unwrap_or(default.ticks),
         grid: style.grid.unwrap_or(default.grid),

@@ -1,6 +1,7 @@
 //! The content of the page before the labels.
 
 use super::geometry::{Grid, around, is_inside, part_within, touch, widened};
+use crate::figures::diagram::draw::theme::Theme;
 use crate::figures::drawing::Colour;
 use crate::figures::text::Rect;
 
@@ -14,8 +15,10 @@ const NEAR_LINE: f64 = 1.0;
 const NEAR: f64 = 2.0;
 /// The least weight of a line that may not go through a label.
 const STRIKING: f64 = 0.5;
-/// The side of cells in which lines and dots are looked up, points: about the height of a label.
+/// The side of cells in which lines and dots are looked up, points: about the height of a label; at least this part of the type's size, so
+/// that no label covers many.
 const CELL: f64 = 8.0;
+const OF_TYPE: f64 = 0.2;
 /// The most lines that count.
 const MOST_LINES: f64 = 8.0;
 
@@ -23,6 +26,8 @@ const MOST_LINES: f64 = 8.0;
 pub(in crate::figures::diagram::draw) struct Ground {
     page: Rect,
     background: Colour,
+    /// The side of cells, points.
+    cell: f64,
     dots: Vec<Rect>,
     /// Dots that pass by.
     beads: Vec<Rect>,
@@ -46,19 +51,21 @@ struct Line {
 }
 
 impl Ground {
-    pub fn new(width: f64, height: f64, background: Colour) -> Self {
+    pub fn new(width: f64, height: f64, theme: &Theme) -> Self {
+        let cell = CELL.max(OF_TYPE * theme.size).max(theme.width);
         Ground {
             page: Rect {
                 // A point of air at the edge.
                 min: [1.0; 2],
                 max: [width - 1.0, height - 1.0],
             },
-            background,
+            background: theme.background,
+            cell,
             dots: Vec::new(),
             beads: Vec::new(),
             lines: Vec::new(),
-            dots_by_place: Grid::new(CELL),
-            lines_by_place: Grid::new(CELL),
+            dots_by_place: Grid::new(cell),
+            lines_by_place: Grid::new(cell),
             areas: Vec::new(),
             sides: Vec::new(),
             clip: Rect {
@@ -71,6 +78,11 @@ impl Ground {
     /// Width and height of the page, points.
     pub fn size(&self) -> [f64; 2] {
         self.page.size()
+    }
+
+    /// The side of cells in which something of this size is looked up, points.
+    pub fn cell(&self) -> f64 {
+        self.cell
     }
 
     /// Has the lines to come be seen within `rect` only.

@@ -208,8 +208,8 @@ pub(super) fn place(
         *count += 1;
     }
     let mut places = Places {
-        labels: Grid::new(CELL),
-        leaders: Grid::new(CELL),
+        labels: Grid::new(CELL.max(ground.cell())),
+        leaders: Grid::new(CELL.max(ground.cell())),
     };
     // Labels that stay are placed as if nothing passed by.
     settle(&mut labels, false, &mut places, ground);
@@ -327,7 +327,7 @@ fn leave_out(labels: &mut [Label], places: &mut Places, ground: &Ground) {
 /// on another on its way, or on a line on its way to where there is none. Passing labels are removed first, then less important ones.
 fn give_way(labels: &mut [Label], ground: &Ground) {
     let mut places: Vec<Option<Rect>> = labels.iter().map(Label::place).collect();
-    let mut grid = Grid::new(CELL);
+    let mut grid = Grid::new(CELL.max(ground.cell()));
     for (i, place) in places.iter().enumerate() {
         place.iter().for_each(|rect| grid.insert(i, *rect));
     }

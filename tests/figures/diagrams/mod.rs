@@ -1,6 +1,7 @@
 //! Space-time diagrams: layout, drawing, and errors.
 
 mod axes;
+mod beyond;
 mod classic;
 mod labels;
 mod lines;

@@ -6,6 +6,7 @@ mod layers;
 mod legend;
 mod obstacles;
 mod page;
+mod reach;
 mod solid;
 mod theme;
 mod words;
@@ -20,6 +21,7 @@ pub(crate) use labels::Habits;
 use labels::{LEADING, widened, wrapped};
 use page::Page;
 pub(super) use page::WIDTH;
+use reach::Reach;
 use theme::Theme;
 
 /// Around labels, where a line that moves is interrupted, points.
@@ -57,13 +59,17 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
         let words = words::Words::new(panel, map, &theme, number);
         requests.extend(words.all(style, &ground, habits)?);
     }
+    let reach = Reach::of(&page);
+    for request in &mut requests {
+        request.anchors.retain(|at| reach.holds(*at));
+    }
     // Moving lines are interrupted at labels, which stay in place.
     let labels = labels::place(&ground, &requests, habits)?;
     let boxes = boxes(&labels)?;
     let gaps: Vec<Rect> = boxes.iter().map(|rect| widened(*rect, GAP)).collect();
     let mut lines = Vec::new();
     for (panel, map) in layout.panels.iter().zip(&page.frames) {
-        lines.extend(layers::of(panel, map, &theme, style, &gaps));
+        lines.extend(reach.cut(layers::of(panel, map, &theme, style, &gaps)));
     }
     items.extend(gaps::interrupted(lines, &boxes));
     items.extend(labels);

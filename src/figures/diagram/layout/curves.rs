@@ -20,6 +20,8 @@ const HALVINGS: u32 = 10;
 /// The most ticks of a world line, and of all of a diagram.
 const MOST_TICKS: f64 = 2000.0;
 const MOST_TICKS_IN_ALL: f64 = 200_000.0;
+/// The least distance of a hyperbola's vertex from its middle, in parts of the diagram's extent.
+const NARROWEST: f64 = 1e-9;
 /// Points of a hyperbola on each side of its vertex.
 const HYPERBOLA: i32 = 64;
 
@@ -236,9 +238,19 @@ fn hyperbola_curve(view: &View, limits: &Limits, hyperbola: &model::Hyperbola) -
     let step = hyperbola.vertex - hyperbola.about;
     let (time, length) = (step.ct / unit, view.diagram.direction.dot(step.x) / unit);
     let about = view.point(hyperbola.about);
+    // A vertex that cannot be told from the middle on paper is moved out until it almost can: its hyperbola is the light rays.
+    let beyond = limits.beyond(about);
+    let said = time.abs().max(length.abs());
+    let size = said.max(NARROWEST * beyond);
+    let [time, length] = match size > said {
+        true => [time, length].map(|part| part / said * size),
+        false => [time, length],
+    };
+    if !(time + length).is_finite() {
+        return Curve::default();
+    }
     // sinh φ = (extent in view) / (distance of the vertex) at both ends.
-    let size = time.abs().max(length.abs());
-    let largest = libm::asinh(limits.beyond(about) / size);
+    let largest = libm::asinh(beyond / size);
     let points = (-HYPERBOLA..=HYPERBOLA).map(|k| {
         let phi = largest * f64::from(k) / f64::from(HYPERBOLA);
         let (sinh, cosh) = (libm::sinh(phi), libm::cosh(phi));

@@ -80,7 +80,11 @@ fn between(a: [f64; 2], b: [f64; 2], part: f64) -> [f64; 2] {
 }
 
 /// The part of the way from `a` to `b` within a rectangle, edges included.
-pub(super) fn part_within(clip: Rect, a: [f64; 2], b: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+pub(in crate::figures::diagram::draw) fn part_within(
+    clip: Rect,
+    a: [f64; 2],
+    b: [f64; 2],
+) -> Option<[[f64; 2]; 2]> {
     Some(parts_within(clip, a, b)?.map(|part| between(a, b, part)))
 }
 

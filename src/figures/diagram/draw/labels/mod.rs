@@ -23,7 +23,7 @@ use crate::figures::text::Rect;
 use block::Block;
 pub(super) use block::{LEADING, wrapped};
 use geometry::{Grid, distance, moved};
-pub(super) use geometry::{is_inside, widened, without};
+pub(super) use geometry::{is_inside, part_within, widened, without};
 pub(super) use ground::Ground;
 
 const ON_LABEL: f64 = 1000.0;

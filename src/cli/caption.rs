@@ -1,9 +1,12 @@
 //! Captions below pictures.
 
-use nullray::Result;
 use nullray::camera::Camera;
+use nullray::figures::text::RichText;
 use nullray::scene::model::Scene;
 use nullray::spacetime::Velocity;
+use nullray::{Error, Result};
+
+use super::failure::refused;
 
 /// The caption: these words, the camera's time, and its speed if it moves.
 pub fn of(words: &str, scene: &Scene) -> Result<String> {
@@ -12,6 +15,20 @@ pub fn of(words: &str, scene: &Scene) -> Result<String> {
     parts.extend((!velocity.is_rest()).then(|| speed(velocity)));
     parts.splice(0..0, (!words.is_empty()).then(|| words.to_string()));
     Ok(parts.join(", "))
+}
+
+/// Refuses characters of `--caption` that the font lacks; those of a scene's own caption are refused with the scene.
+pub fn check(option: Option<&str>) -> Result<()> {
+    let Some(words) = option else {
+        return Ok(());
+    };
+    let set = RichText::plain(words).and_then(|words| words.width(1.0));
+    set.map(drop).map_err(|error| match error {
+        Error::Invalid(problem) | Error::Unsupported(problem) => {
+            refused("--caption", problem.what.to_string(), &problem.help)
+        }
+        error => error,
+    })
 }
 
 /// A speed and its Lorentz factor, to three digits.

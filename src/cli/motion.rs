@@ -68,7 +68,8 @@ pub fn run(mut arguments: FilmArguments) -> Result<()> {
     )?;
     reel::check(&arguments.output, &inputs::of(&scene, &plan))?;
     reel::tell_bits(&arguments.output, &scene, arguments.work.quiet.on)?;
-    // What cannot be shown beside the pictures is refused before any of them is rendered.
+    // What cannot be shown beside or below the pictures is refused before any of them is rendered.
+    caption::check(arguments.caption.as_deref())?;
     let diagrams = match (arguments.beside, arguments.motion.light) {
         (Some(Beside::Diagram), false) => Some(diagrams(&arguments, &file, &scene)?),
         _ => None,

@@ -80,6 +80,8 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
     };
     let shots: Vec<Shot> = times.iter().flat_map(moment).collect();
     let frames = Frames::of_shots(shots.clone());
+    // Before pictures are rendered: a diagram that cannot be drawn is refused early.
+    let diagrams = diagrams(arguments, file, &still, &times)?;
     let folder = Folder::of(&[path.to_path_buf()])?;
     let pattern = folder.pattern("page");
     let outputs = Outputs {
@@ -115,7 +117,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
             .iter()
             .map(|shot| shot.velocity.beta().length())
             .collect(),
-        diagrams: diagrams(arguments, file, &still, &times)?,
+        diagrams,
         times,
         size: scene.camera.size,
         pictures: pictures.collect::<Result<_>>()?,

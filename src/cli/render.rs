@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use nullray::approximate::raster::Method;
-use nullray::figures::text::RichText;
 use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::{LoadedCubes, check_files};
@@ -22,7 +21,7 @@ use super::output::{Kind, Outputs, extension};
 use super::progress::Bar;
 use super::reel::{self, Folder, Reel};
 use super::stats::Account;
-use super::{builtin, exposure, inputs, panels, passes, print, say};
+use super::{builtin, caption, exposure, inputs, panels, passes, print, say};
 
 /// The default film rate, pictures per second.
 pub const PLAY_FPS: f64 = 24.0;
@@ -279,15 +278,7 @@ fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBu
             "add a picture or a film: -o FILE.png or -o FILE.apng",
         ));
     }
-    check_words(outputs.caption.as_deref())
-}
-
-/// Refuses characters that the font for captions lacks.
-fn check_words(caption: Option<&str>) -> Result<()> {
-    let Some(words) = caption else {
-        return Ok(());
-    };
-    RichText::plain(words)?.width(1.0).map(|_| ())
+    caption::check(arguments.caption.as_deref())
 }
 
 /// A model without a scene of its own.
@@ -449,7 +440,6 @@ fn all_panels(
         };
         outputs.show = panel.show;
         outputs.caption = caption(arguments, &scene);
-        check_words(outputs.caption.as_deref())?;
         jobs.push((request(arguments, &outputs, &scene), scene, outputs));
     }
     let mut read = Vec::new();

@@ -89,12 +89,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         false_colour: settings::false_colour(&cx, &file.display)?,
         times: settings::times(&cx, &file.display)?,
         luminances: settings::luminances(&cx, &file.display)?,
-        caption: file
-            .display
-            .value
-            .caption
-            .as_ref()
-            .map(|at| at.value.clone()),
+        caption: settings::caption(&cx, &file.display)?,
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
         passed_over: passed_over(&cx, file)?,

@@ -1,7 +1,8 @@
 //! Medium, effects, outside data, display.
 
 use super::context::Context;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::figures::text::RichText;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::limits;
@@ -95,6 +96,21 @@ pub(super) fn exposure(cx: &Context, at: &At<file::Display>) -> Result<Exposure>
 }
 
 /// Bits per sample of a PNG.
+/// The words below pictures.
+pub(super) fn caption(cx: &Context, at: &At<file::Display>) -> Result<Option<String>> {
+    let Some(at) = &at.value.caption else {
+        return Ok(None);
+    };
+    let set = RichText::plain(&at.value).and_then(|words| words.width(1.0));
+    match set {
+        Ok(_) => Ok(Some(at.value.clone())),
+        Err(Error::Invalid(problem) | Error::Unsupported(problem)) => {
+            Err(cx.refuse(at, problem.what.to_string(), problem.help.to_string()))
+        }
+        Err(error) => Err(error),
+    }
+}
+
 pub(super) fn bits(cx: &Context, at: &At<file::Display>) -> Result<u8> {
     let bits = &at.value.bits;
     match bits.value {

@@ -255,6 +255,23 @@ fn a_diagram_that_cannot_stand_beside_the_pictures_is_refused_before_they_are_re
 }
 
 #[test]
+fn captions_in_characters_that_the_font_lacks_are_refused_before_pictures_are_rendered() {
+    let folder = Folder::new();
+    let film = "film scene.toml --flyby 0.5 --pictures 2 -o a.apng --quiet";
+    let film: Vec<&str> = film.split(' ').collect();
+    refused(
+        &folder,
+        &[&film[..], &["--caption", "日本"]].concat(),
+        &["command line, --caption", "'日'"],
+    );
+    let own = ["--set", "display.caption=\"a\\tb\""];
+    let parts = ["scene.toml, display.caption", "has no character"];
+    refused(&folder, &[&film[..], &own].concat(), &parts);
+    let render = ["render", "scene.toml", "-o", "a.png"];
+    refused(&folder, &[&render[..], &own].concat(), &parts);
+}
+
+#[test]
 fn light_in_flight_is_found_where_no_times_are_given() {
     let folder = Folder::new();
     let film = "film scene.toml --light --pictures 5 --no-captions -o a.apng --set source.lamp.pulse.sigma=\"0.2 m\"";
@@ -371,6 +388,15 @@ fn films_that_cannot_be_made_are_refused() {
         (
             "film scene.toml --flyby 0.5 --distance 5",
             &["--distance", "a length is a text like \"5 m\""],
+        ),
+        (
+            "film scene.toml --flyby 0.5 --distance -1m",
+            &["--distance", "a length above 0"],
+        ),
+        ("film scene.toml --pictures -1", &["--pictures", "2..="]),
+        (
+            "page scene.toml -o p --max-size -1",
+            &["--max-size", "0 or above"],
         ),
         (
             "film scene.toml --flyby 0.5 -o a.gif",

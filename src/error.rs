@@ -193,6 +193,9 @@ fn remedy(kind: io::ErrorKind) -> &'static str {
         Kind::PermissionDenied => "check the permissions of the file and of its directory",
         Kind::IsADirectory => "name a file, not a directory",
         Kind::StorageFull | Kind::QuotaExceeded => "free some space, or write to another place",
+        Kind::FileTooLarge => {
+            "the system or `ulimit -f` limits how large files are: raise the limit, or write less"
+        }
         Kind::ReadOnlyFilesystem => "write to another place",
         _ => "",
     }

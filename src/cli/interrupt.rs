@@ -9,6 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+#[cfg(unix)]
+use nix::sys::signal::{SigSet, Signal};
 use nullray::io::temporary;
 use nullray::{Error, Result};
 
@@ -30,6 +32,9 @@ static AGAIN: Mutex<Option<(&'static str, bool)>> = Mutex::new(None);
 pub fn install() {
     // If a handler cannot be installed, Ctrl-C ends the process as usual. The handler runs on its own thread, so it may do anything.
     let _ = ctrlc::set_handler(stop);
+    // Files that become too large are errors where they are written. All threads to come inherit the mask.
+    #[cfg(unix)]
+    let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
 }
 
 fn stop() {

@@ -376,3 +376,22 @@ fn left_overs_of_equal_process_ids_do_not_stand_in_the_way() {
     assert_eq!(names, ["a.png", "a.toml"]);
     assert!(Path::new(&folder.path("a.png")).is_file());
 }
+
+/// The kernel sends a signal, too, which ends a program that does not expect it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_larger_than_the_limit_is_an_error_and_leaves_nothing() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    let mut limited = Command::new("sh");
+    let run = "ulimit -f 8; exec \"$0\" render a.toml -o a.exr --aovs all --size 128x128";
+    limited.args(["-c", run, env!("CARGO_BIN_EXE_nullray")]);
+    limited.current_dir(folder.path(""));
+    let output = limited.output().unwrap();
+    check_failure(&output);
+    for part in ["a.exr", "File too large", "ulimit -f"] {
+        assert!(said(&output).contains(part), "{}", said(&output));
+    }
+    let left: Vec<String> = folder.files(&[]).into_keys().collect();
+    assert_eq!(left, ["a.toml"]);
+}

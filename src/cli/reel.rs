@@ -123,10 +123,10 @@ impl Folder {
     pub fn of(films: &[PathBuf]) -> Result<Folder> {
         let Some(film) = films.iter().find(|path| !is_pipe(path)) else {
             let made = tempfile::tempdir();
-            return made.map(Folder::Passing).map_err(Error::io(
-                STDOUT,
-                "no folder can be made for the pictures of the film",
-            ));
+            let failed = "cannot make a folder for the pictures of the film";
+            return made
+                .map(Folder::Passing)
+                .map_err(temporary::in_directory(failed));
         };
         let mut name = film.file_name().unwrap_or_default().to_os_string();
         name.push(ENDING);

@@ -125,6 +125,15 @@ impl Drop for Temporary {
     }
 }
 
+/// An error of a file in the directory for temporary files.
+pub fn in_directory(action: &str) -> impl Fn(io::Error) -> Error {
+    move |source| {
+        let what = format!("{action} in the directory for temporary files: {source}");
+        let help = "set the environment variable TMPDIR to a directory that exists, may be written to, and has room";
+        Error::invalid(std::env::temp_dir(), "", what, help)
+    }
+}
+
 /// Removes what this process has in the making: for when it is about to exit without unwinding.
 pub fn remove_all() {
     live().iter().for_each(|path| remove(path));

@@ -20,6 +20,7 @@ use super::wanted::{CubeInfo, FileTimes, Wanted};
 use crate::Result;
 use crate::io::files::ReadSeek;
 use crate::io::npy::{self, Dtype, Header, Place, Stored, WRITE_AGAIN};
+use crate::io::temporary;
 
 /// `.npy`: one array.
 pub(super) const ARRAY: CubeFormat = CubeFormat {
@@ -111,7 +112,7 @@ fn write_out(
         let layout = layout(stored, wanted)?.stored();
         let count = layout.sizes.iter().product::<usize>() * layout.number.stored() as usize;
         stored.pieces(count, |_, _, bytes: &[[u8; 1]]| {
-            let failed = crate::Error::io(file, "cannot write a temporary file for");
+            let failed = temporary::in_directory("cannot write a file");
             to.write_all(bytes.as_flattened()).map_err(failed)
         })?;
         Ok(StoredLayout { start: 0, ..layout })

@@ -18,6 +18,7 @@ use super::samples::{Cube, CubeSamples, place_of};
 use super::wanted::CubeInfo;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
+use crate::io::temporary;
 
 /// Samples of a slab, as numbers: 32 MiB of them.
 const SLAB: usize = if cfg!(test) { 50 } else { 4 << 20 };
@@ -225,7 +226,7 @@ impl Selection {
                 }
             }
             to.write_all(&bytes)
-                .map_err(Error::io(path, "cannot write a temporary file for"))
+                .map_err(temporary::in_directory("cannot write a file"))
         })?;
         Ok(StoredLayout {
             start: 0,

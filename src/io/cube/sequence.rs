@@ -29,6 +29,7 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::image::panorama;
 use crate::io::npy::Dtype;
+use crate::io::temporary;
 
 /// Extensions of pictures that frames may be, lower case.
 const PICTURES: [&str; 5] = ["exr", "png", "hdr", "tif", "tiff"];
@@ -426,7 +427,7 @@ fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLa
         let picture = Picture::read(frame, wanted, &wanted.budget())?;
         picture.refuse_other_than(&first, &frame.file, &frames[0].file)?;
         for sample in &picture.samples {
-            let failed = Error::io(path, "cannot write a temporary file for");
+            let failed = temporary::in_directory("cannot write a file");
             to.write_all(&sample.to_le_bytes()).map_err(failed)?;
         }
     }

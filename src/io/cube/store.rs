@@ -24,6 +24,7 @@ use super::wanted::Wanted;
 use crate::error::{Error, Result};
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::Dtype;
+use crate::io::temporary;
 
 /// A cube on disk.
 pub(super) struct Store {
@@ -133,8 +134,8 @@ impl Store {
             Parts::Windows(_, write_out) => write_out,
             Parts::WrittenOut(write_out) => write_out,
         };
-        let mut spool = Spool::new(path)?;
-        let layout = write_out(input, wanted, &mut spool.writer)?;
+        let mut spool = Spool::new()?;
+        let layout = write_out(input, wanted, &mut spool.0)?;
         Ok((Located::Spooled(spool.finish()?), layout))
     }
 
@@ -384,26 +385,19 @@ impl Located {
 }
 
 /// A temporary file, which no other process sees and which vanishes with this one.
-struct Spool {
-    writer: BufWriter<File>,
-    path: PathBuf,
-}
+struct Spool(BufWriter<File>);
 
 impl Spool {
-    fn new(path: &Path) -> Result<Spool> {
-        let file =
-            tempfile::tempfile().map_err(Error::io(path, "cannot make a temporary file for"))?;
-        Ok(Spool {
-            writer: BufWriter::with_capacity(1 << 16, file),
-            path: path.to_path_buf(),
-        })
+    fn new() -> Result<Spool> {
+        let file = tempfile::tempfile().map_err(temporary::in_directory("cannot make a file"))?;
+        Ok(Spool(BufWriter::with_capacity(1 << 16, file)))
     }
 
     fn finish(mut self) -> Result<File> {
-        let failed = || Error::io(&self.path, "cannot write a temporary file for");
-        self.writer.flush().map_err(failed())?;
-        self.writer
+        let failed = temporary::in_directory("cannot write a file");
+        self.0.flush().map_err(&failed)?;
+        self.0
             .into_inner()
-            .map_err(|error| failed()(error.into_error()))
+            .map_err(|error| failed(error.into_error()))
     }
 }

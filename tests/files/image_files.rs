@@ -353,10 +353,11 @@ fn hostile_exr_files_are_errors_or_images_but_never_a_panic() {
     let good = fs::read(&path).unwrap();
     for length in (0..good.len()).step_by(61) {
         fs::write(&path, &good[..length]).unwrap();
-        assert!(
-            exr::read(&path, &Default::default()).is_err(),
-            "cut to {length} bytes"
-        );
+        let Err(Error::Invalid(problem)) = exr::read(&path, &Default::default()) else {
+            panic!("cut to {length} bytes");
+        };
+        let is_told = problem.help.contains("copy it again") || length < 4;
+        assert!(is_told, "cut to {length} bytes: {problem}");
     }
     // Every byte of the header and some of the pixels, to several values.
     for i in (0..1500).chain((1500..good.len()).step_by(97)) {
@@ -382,7 +383,9 @@ fn an_exr_that_claims_too_much_is_refused_before_anything_is_allocated() {
     file[at..at + 8].copy_from_slice(&[0xff, 0xff, 0xff, 0x3f, 0xff, 0xff, 0xff, 0x3f]);
     fs::write(&path, file).unwrap();
     let error = exr::read(&path, &Default::default()).unwrap_err();
-    assert!(error.to_string().contains("a.exr"), "{error}");
+    for part in ["a.exr", "truncated or damaged"] {
+        assert!(error.to_string().contains(part), "{error}");
+    }
 }
 
 #[test]

@@ -65,6 +65,7 @@ fn is_sky(layers: &Layers) -> bool {
 
 pub fn png(path: &Path) -> Result<Info> {
     let held = image::png::inspect(path)?;
+    image::png::check_whole(path)?;
     let mut info = Info::new("png", "PNG picture");
     size(&mut info, held.width, held.height);
     let samples = format!("{}, {} bits each", held.colour, held.bits);

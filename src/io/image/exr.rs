@@ -90,6 +90,11 @@ pub struct Options {
     pub window_width: Option<f32>,
 }
 
+/// What to do about a file that was cut short or changed.
+const AGAIN: &str = "copy it again, or render it again";
+/// What the decoder says of a file of another format.
+const NO_IDENTIFIER: &str = "file identifier missing";
+
 /// The maximum expansion by the lossless compressions (deflate: 1032; chunks have their own offsets in addition).
 const LARGEST_EXPANSION: u64 = 1032;
 
@@ -189,19 +194,23 @@ fn settle<T>(path: &Path, decoded: Option<::exr::error::Result<T>>) -> Result<T>
         Some(Ok(decoded)) => Ok(decoded),
         Some(Err(Exr::Io(error))) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
             let what = "the file ends before its last pixel";
-            let help = "it was cut short: copy it again, or render it again";
-            Err(Error::invalid(path, "", what, help))
+            Err(Error::invalid(path, "", what, AGAIN))
         }
         Some(Err(Exr::Io(error))) => Err(Error::io(path, "cannot read")(error)),
         Some(Err(Exr::NotSupported(what))) => Err(Error::unsupported(path, "", what, "")),
+        Some(Err(Exr::Invalid(what))) if what == NO_IDENTIFIER => {
+            let what = "not an EXR file: it does not begin like one";
+            Err(Error::invalid(path, "", what, "name an OpenEXR picture"))
+        }
+        Some(Err(Exr::Invalid(what))) => Err(broken(path, &what)),
         Some(Err(error)) => Err(broken(path, &error.to_string())),
         None => Err(broken(path, "its structure contradicts itself")),
     }
 }
 
 fn broken(path: &Path, what: &str) -> Error {
-    let what = format!("not a readable EXR file: {what}");
-    Error::invalid(path, "", what, "an OpenEXR image without deep data")
+    let what = format!("truncated or damaged: {what}");
+    Error::invalid(path, "", what, AGAIN)
 }
 
 /// Checks, before anything is allocated, that the contents of a file of `length` bytes fit.

@@ -1,6 +1,6 @@
 //! PNG files: pictures for displays.
 
-use std::io::{BufReader, Write};
+use std::io::{BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use ::png::{
@@ -160,6 +160,48 @@ pub fn inspect(path: &Path) -> Result<PngInfo> {
     }
 }
 
+/// Refuses a file that ends before its last chunk, or has too few bytes for its pixels; no pixel is decoded.
+///
+/// # Errors
+/// As for [`inspect`], and files that were cut short.
+pub fn check_whole(path: &Path) -> Result<()> {
+    let info = inspect(path)?;
+    let cut = |what: &str| {
+        let what = format!("truncated or damaged: {what}");
+        Error::invalid(path, "", what, AGAIN)
+    };
+    let (file, length) = open_regular(path)?;
+    let mut file = BufReader::new(file);
+    let failed = || Error::io(path, "cannot read");
+    // After the signature, chunks: length, name, data, checksum.
+    let (mut at, mut data) = (8u64, 0u64);
+    file.seek(SeekFrom::Start(at)).map_err(failed())?;
+    loop {
+        let mut head = [0; 8];
+        if at + 12 > length {
+            return Err(cut("the file ends before its last chunk"));
+        }
+        file.read_exact(&mut head).map_err(failed())?;
+        let [a, b, c, d, name @ ..] = head;
+        let size = u64::from(u32::from_be_bytes([a, b, c, d]));
+        match &name {
+            b"IEND" => break,
+            b"IDAT" => data += size,
+            _ => {}
+        }
+        at += 12 + size;
+        file.seek_relative(size as i64 + 4).map_err(failed())?;
+    }
+    // At least a sample per pixel.
+    let pixels = u64::from(info.width) * u64::from(info.height);
+    let stored = pixels.saturating_mul(info.bits.into()) / 8;
+    if stored > data.saturating_mul(LARGEST_EXPANSION) {
+        let what = format!("{pixels} pixels are not in {data} bytes");
+        return Err(cut(&what));
+    }
+    Ok(())
+}
+
 /// Reads a PNG file as codes in [0, 1].
 ///
 /// Channels are `radiance.R`, `radiance.G`, `radiance.B`, three times the same for a grey picture, and `A` if there is alpha or a
@@ -237,6 +279,8 @@ fn settle(path: &Path, decoded: Option<Result<Decoded, DecodingError>>) -> Resul
     }
 }
 
+/// The maximum expansion by deflate.
+const LARGEST_EXPANSION: u64 = 1032;
 /// The maximum memory per pixel: four samples of 16 bits as decoded, and as f32.
 const PIXEL_BYTES: u64 = 4 * (2 + 4);
 
@@ -323,9 +367,12 @@ fn layers(path: &Path, info: PngInfo, decoded: &Decoded) -> Result<Layers> {
     Layers::new(info.width, info.height, channels.collect(), metadata)
 }
 
+/// What to do about a file that was cut short or changed.
+const AGAIN: &str = "copy or write the picture again";
+
 fn broken(path: &Path, what: &str) -> Error {
     let what = format!("not a readable PNG file: {what}");
-    Error::invalid(path, "", what, "copy or write the picture again")
+    Error::invalid(path, "", what, AGAIN)
 }
 
 /// The maximum memory for the decompressed texts of a file, bytes.

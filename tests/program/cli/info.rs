@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use nullray::io::budget::Budget;
-use nullray::io::image::{Layers, exr};
+use nullray::io::image::{Layers, exr, png};
 use serde_json::Value;
 
 use super::refused::{TRIANGLE, refused};
@@ -505,6 +505,32 @@ fn files_of_other_kinds_and_broken_ones_are_refused() {
         assert!(run.message().contains(name), "{name}: {}", run.message());
         assert!(!run.stderr.contains("panicked"), "{name}: {}", run.stderr);
     }
+}
+
+#[test]
+fn of_png_files_that_lack_pixels_what_is_missing() {
+    let folder = Folder::empty();
+    let rgb: Vec<u8> = (0..3 * 64 * 64).map(|k| (k * k / 7) as u8).collect();
+    png::write(&folder.path("whole.png"), 64, 64, &rgb, &[]).unwrap();
+    let whole = folder.read("whole.png");
+    folder.ok(&["info", "whole.png"]);
+    for length in (60..whole.len()).step_by(whole.len() / 20) {
+        folder.write("cut.png", &whole[..length]);
+        let parts = ["cut.png", "truncated or damaged", "copy or write"];
+        refused(&folder, &["info", "cut.png"], &parts);
+    }
+    // A header of 65535 × 65535 pixels, with the checksum of CRC-32, and the data of 64 × 64.
+    let mut large = whole.clone();
+    large[16..24].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff]);
+    let sum = large[12..29].iter().fold(u32::MAX, |sum, byte| {
+        (0..8).fold(sum ^ u32::from(*byte), |sum, _| {
+            sum >> 1 ^ if sum & 1 == 1 { 0xedb8_8320 } else { 0 }
+        })
+    });
+    large[29..33].copy_from_slice(&(!sum).to_be_bytes());
+    folder.write("large.png", &large);
+    let parts = ["4294836225 pixels", "truncated or damaged"];
+    refused(&folder, &["info", "large.png"], &parts);
 }
 
 #[test]

@@ -276,19 +276,19 @@ impl fmt::Display for Method {
     }
 }
 
-pub(super) fn moves(object: &str) -> Error {
+pub(super) fn moves(scene: &str, object: &str) -> Error {
     Error::unsupported(
-        "object",
-        "velocity",
+        scene,
+        "object.velocity",
         format!("a warped picture needs objects at rest in the world, but {object} moves"),
         Setting::TraceIt + ", or rasterize it, or let the camera move in place of the object",
     )
 }
 
-pub(super) fn samples_spectra() -> Error {
+pub(super) fn samples_spectra(scene: &str) -> Error {
     Error::unsupported(
+        scene,
         "render.spectra",
-        "sampled",
         "this method has no samples with wavelengths of their own",
         Setting::TraceIt + ", or leave `spectra` out",
     )

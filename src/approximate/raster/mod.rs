@@ -97,7 +97,7 @@ fn rendered(
     method.check_numbers()?;
     let light = scene.light.time_resolved();
     if *method != Method::Trace && light.is_some_and(|light| light.spectra.is_some()) {
-        return Err(method::samples_spectra());
+        return Err(method::samples_spectra("scene"));
     }
     match method {
         Method::Trace => match over {

@@ -136,17 +136,16 @@ impl Method {
             return Ok(());
         }
         if plan.samples_spectra {
-            return Err(samples_spectra());
+            return Err(samples_spectra(&plan.scene));
         }
-        if let Some(why) = apart(plan.view) {
+        if let Some(why) = apart(plan) {
             return Err(why);
         }
         match (self, plan.frames.iter().find(|frame| frame.gamma > 1.0)) {
             (Method::Warp(_), Some(frame)) => {
                 let object = frame.objects.first().and_then(|o| plan.objects.get(*o));
-                Err(moves(&object.map_or(String::new(), |o| {
-                    format!("object \"{}\"", o.name)
-                })))
+                let object = object.map_or(String::new(), |o| format!("object \"{}\"", o.name));
+                Err(moves(&plan.scene, &object))
             }
             _ => Ok(()),
         }
@@ -154,8 +153,8 @@ impl Method {
 }
 
 /// The refusal of a camera whose rays do not all leave one event, or of whose film some points see nothing.
-fn apart(view: ViewKind) -> Option<Error> {
-    let (what, remedy) = match view {
+fn apart(plan: &Plan) -> Option<Error> {
+    let (what, remedy) = match plan.view {
         ViewKind::Still | ViewKind::Moving | ViewKind::Unaberrated => return None,
         ViewKind::Inertial => (
             "those of a sensor or a shutter do not; or points of its film see nothing (corners of a fisheye, or beyond the poles of a panorama)",
@@ -173,8 +172,8 @@ fn apart(view: ViewKind) -> Option<Error> {
         ),
     };
     Some(Error::unsupported(
+        &plan.scene,
         "camera",
-        "method",
         format!("rasterizers need a camera whose rays all leave one event: {what}"),
         Setting::TraceIt + ", or " + remedy,
     ))

@@ -36,7 +36,7 @@ impl Warped {
         let moving = scene.frames.iter().find(|f| !f.frame.velocity().is_rest());
         if let Some(frame) = moving {
             let object = frame.patches.first().map_or(0, |p| p.object);
-            return Err(moves(&format!("object {object}")));
+            return Err(moves("scene", &format!("object {object}")));
         }
         let map = warp.map;
         let event = scene.camera.shot.event;

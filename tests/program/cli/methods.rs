@@ -118,7 +118,11 @@ fn what_is_no_method_or_cannot_be_done_by_it_is_refused() {
         (&["--method", "warp:cube=100000"], &["cube=1024"]),
         (
             &["--method", "warp:cube=64"],
-            &["object \"crate\" moves", "--method trace"],
+            &[
+                "scene.toml, object.velocity",
+                "object \"crate\" moves",
+                "--method trace",
+            ],
         ),
         (
             &[

@@ -27,6 +27,14 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     let (width, height) = text
         .split_once(['x', 'X', '×'])
         .ok_or("write WIDTHxHEIGHT, for instance 640x480")?;
+    let is_large = |t: &str| {
+        t.trim()
+            .parse::<f64>()
+            .is_ok_and(|n| n > f64::from(u32::MAX))
+    };
+    if is_large(width) || is_large(height) {
+        return Err("too large: width and height are at most 65536".into());
+    }
     let pixels = |t: &str| t.trim().parse::<u32>().ok().filter(|n| *n > 0);
     match (pixels(width), pixels(height)) {
         (Some(width), Some(height)) => Ok([width, height]),
@@ -148,6 +156,9 @@ pub fn assignment(text: &str) -> Result<(String, String), String> {
 
 /// An amount of memory.
 pub fn bytes(text: &str) -> Result<u64, String> {
+    if text.trim().starts_with('-') {
+        return Err("memory is not negative; write 16GiB".into());
+    }
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     // Powers of 1024, however the unit is written.
     let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {

@@ -45,8 +45,10 @@ impl Budget {
             .fetch_update(Ordering::Relaxed, Ordering::Relaxed, taken);
         taken.map(drop).map_err(|left| {
             let what = format!(
-                "needs {bytes} bytes of memory, and {left} of {} are left",
-                self.limit
+                "needs {} of memory, and {} of {} are left",
+                amount(bytes),
+                amount(left),
+                amount(self.limit)
             );
             Error::invalid(
                 file,
@@ -55,6 +57,22 @@ impl Budget {
                 Message::from("a smaller file, or a higher ") + Setting::MemoryLimit,
             )
         })
+    }
+}
+
+/// A number of bytes for people.
+pub fn amount(bytes: u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = bytes as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    if unit == 0 {
+        format!("{bytes} B")
+    } else {
+        format!("{value:.1} {}", UNITS[unit])
     }
 }
 
@@ -75,7 +93,7 @@ mod tests {
         budget.take(60, Path::new("a")).unwrap();
         let refused = budget.take(41, Path::new("b")).unwrap_err().to_string();
         assert!(
-            refused.contains("41") && refused.contains("40 of 100"),
+            refused.contains("41 B of memory") && refused.contains("40 B of 100 B"),
             "{refused}"
         );
         budget.take(40, Path::new("c")).unwrap();

@@ -11,7 +11,7 @@ use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 use super::names;
 use super::place::{Place, Step};
 use super::suggest::did_you_mean;
-use crate::error::{Error, Message, Problem, Result, Setting};
+use crate::error::{Error, Message, Problem, Result, Setting, number};
 use crate::spacetime::units::quoted;
 
 /// Values that replace those of the scene file.
@@ -161,7 +161,7 @@ fn changes(overrides: &Overrides) -> Result<Vec<Change>> {
     }
     let size = size.map(|[w, h]| (format!("{w}x{h}"), Value::from_iter([w, h].map(i64::from))));
     let samples = samples_per_pixel.map(|n| (n.to_string(), Value::from(i64::from(n))));
-    let white = white.map(|radiance| (radiance.to_string(), Value::from(radiance)));
+    let white = white.map(|radiance| (number(radiance).to_string(), Value::from(radiance)));
     let text = |text: &Option<String>| Some((text.clone()?, Value::from(text.clone()?)));
     let others = [
         (Setting::Size, "camera.size", size),

@@ -217,7 +217,7 @@ fn png_frames_are_decoded_within_memory_and_looked_at_without() {
     assert!(one_by_one == whole);
     for memory in [470_000, 600_000] {
         let error = cube::load(folder.path(), linear.within(memory)).unwrap_err();
-        assert!(error.to_string().contains("bytes of memory"), "{error}");
+        assert!(error.to_string().contains("B of memory"), "{error}");
     }
 }
 

@@ -19,7 +19,7 @@ pub struct FilmArguments {
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Number of pictures in the film.
-    #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u32).range(2..=100_000), allow_negative_numbers = true)]
     pub pictures: u32,
     /// Pictures per second.
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::film_rate, allow_hyphen_values = true)]
@@ -85,7 +85,7 @@ pub struct MotionArguments {
     pub direction: Option<Heading>,
     /// How far the camera goes, with its unit: "6 m". Default: nine tenths of the way to the point that it looks at;
     /// for --flyby twice the distance to that point, times γ.
-    #[arg(long, value_name = "LENGTH", value_parser = length, conflicts_with_all = ["light", "speeds"])]
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with_all = ["light", "speeds"])]
     pub distance: Option<Time>,
     /// The camera's time at the first picture, with --light. Default: from when light comes into view until it has left,
     /// not counting light that lasts ten times as long as a flash.
@@ -113,7 +113,12 @@ fn frames_of_film(said: &str) -> Result<u32, String> {
 /// A length in any unit of times: light takes a time for it.
 fn length(text: &str) -> Result<Time, String> {
     let length = text.parse::<Time>();
-    length.map_err(|error| error.to_string().replace("a time", "a length"))
+    let length = length.map_err(|error| error.to_string().replace("a time", "a length"))?;
+    // The sign does not depend on the speed of light.
+    match length.metres(1.0) > 0.0 {
+        true => Ok(length),
+        false => Err("write a length above 0, like \"6 m\"".into()),
+    }
 }
 
 /// What is shown beside the pictures of a film.

@@ -26,7 +26,7 @@ pub struct PageArguments {
     )]
     pub beta: f64,
     /// Number of speeds on the slider, from 0 in equal steps of rapidity.
-    #[arg(long, value_name = "N", default_value_t = 13, value_parser = clap::value_parser!(u32).range(2..=200))]
+    #[arg(long, value_name = "N", default_value_t = 13, value_parser = clap::value_parser!(u32).range(2..=200), allow_negative_numbers = true)]
     pub steps: u32,
     /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: ahead.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true)]
@@ -50,7 +50,7 @@ pub struct PageArguments {
     )]
     pub to: Option<Time>,
     /// Number of camera times on the second slider.
-    #[arg(long, value_name = "N", default_value_t = 9, requires = "from", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(2..=200))]
+    #[arg(long, value_name = "N", default_value_t = 9, requires = "from", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(2..=200), allow_negative_numbers = true)]
     pub times: u32,
     /// Make a diagram for each pixel of a grid, columns x rows; a click on the picture shows it: 4x3.
     #[arg(long, value_name = "CxR", value_parser = values::grid, allow_hyphen_values = true)]
@@ -67,7 +67,7 @@ pub struct PageArguments {
     #[command(flatten)]
     pub exposure: ExposureArgument,
     /// Maximum size of the page, megabytes.
-    #[arg(long, value_name = "MB", default_value_t = 10.0, value_parser = values::not_negative)]
+    #[arg(long, value_name = "MB", default_value_t = 10.0, value_parser = values::not_negative, allow_negative_numbers = true)]
     pub max_size: f64,
     #[command(flatten)]
     pub changes: Changes,

@@ -83,7 +83,7 @@ pub struct Changes {
     #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Samples per pixel.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)), allow_negative_numbers = true)]
     pub spp: Option<u32>,
     #[command(flatten)]
     pub edits: Edits,
@@ -163,7 +163,7 @@ pub struct Edits {
 pub struct MemoryLimit {
     /// Memory limit, also --memory; cubes that do not fit are read from disk in parts. Default: three quarters of what
     /// is available.
-    #[arg(long, alias = "memory", value_name = "SIZE", value_parser = values::bytes)]
+    #[arg(long, alias = "memory", value_name = "SIZE", value_parser = values::bytes, allow_hyphen_values = true)]
     max_memory: Option<u64>,
 }
 
@@ -195,7 +195,7 @@ pub struct WorkArguments {
 #[derive(Debug, Args)]
 pub struct Threads {
     /// Worker threads. Default: one per core. The results do not depend on it.
-    #[arg(id = "threads", long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(id = "threads", long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
     pub count: Option<u16>,
 }
 

@@ -19,7 +19,7 @@ use ::png::{BlendOp, ColorType, DisposeOp, Encoder, EncodingError};
 
 use super::RgbImage;
 use super::png::encoder;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 
 /// The duration of a picture, as a fraction of a second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,8 @@ impl Delay {
             }),
             false => Err(wrong(
                 &format!(
-                    "a rate of {fps} pictures per second, which cannot be expressed as a fraction of numbers up to 65535"
+                    "a rate of {} pictures per second, which cannot be expressed as a fraction of numbers up to 65535",
+                    number(fps)
                 ),
                 "a rate like 25, 29.97 or 0.5",
             )),

@@ -56,6 +56,7 @@ fn wrong_values_of_options_are_refused() {
         (&["--size", "0x0"], &["--size", "above 0"]),
         (&["--size", "12"], &["--size", "640x480"]),
         (&["--size", "-3x4"], &["--size"]),
+        (&["--size", "4294967296x1"], &["--size", "at most 65536"]),
         (&["--spp", "0"], &["--spp", "1..="]),
         (
             &["--time", "banana"],
@@ -67,6 +68,8 @@ fn wrong_values_of_options_are_refused() {
             &["--aovs", "\"foo\"", "event"],
         ),
         (&["--threads", "0"], &["--threads", "1..="]),
+        (&["--threads", "-1"], &["--threads", "1..="]),
+        (&["--max-memory", "-1GB"], &["--max-memory", "16GiB"]),
         (&["--max-memory", "5 bananas"], &["--max-memory", "16GiB"]),
         (
             &["--max-memory", "1k"],
@@ -75,6 +78,7 @@ fn wrong_values_of_options_are_refused() {
         (&["--exposure", "150 %"], &["--exposure 150 %", "100"]),
         (&["--exposure", "bright"], &["--exposure", "2.5 %"]),
         (&["--white", "-1"], &["--white -1", "above 0"]),
+        (&["--white", "1e-320"], &["--white 1e-320", "above 0"]),
         (
             &["--white", "1", "--exposure", "9 %"],
             &["--white", "--exposure", "cannot be used with"],

@@ -61,7 +61,8 @@ percentile over small previews, so that a few bright pictures at an end do not l
 holds for its own camera, with \
 --light; --white R sets that of any film, and --set \"display.logarithmic=[1e-6,1e4]\" shows any speeds on one scale.
 
---time sets when --flyby passes the camera's position, and when the other motions begin, as world time after camera.clock_zero.";
+--time is a time of the scene's own camera, by its clock. --flyby passes the place where that camera is then, at that moment; \
+--accelerate and --speeds begin there. --light has --from and --to instead.";
 
 pub const PAGE: &str = "\
 Examples:

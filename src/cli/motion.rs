@@ -247,7 +247,7 @@ fn heading(direction: Option<Heading>, default: DVec3) -> Result<DVec3> {
         Some(Heading::Along(n)) => Ok(n.normalize_or(DVec3::NEG_Z)),
         Some(_) => Err(refused(
             "--direction",
-            "\"towards\" and \"away\" are for models without a scene",
+            "\"towards\" and \"away\" are for `render` and `plan` of a model without a scene",
             "give x, y, z, -x, -y, -z or a vector like 1,0,-1",
         )),
     }

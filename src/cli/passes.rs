@@ -200,25 +200,25 @@ impl Work<'_> {
         };
         let of_pixels =
             format!("{error:.3} % of the mean radiance (root mean square over pixels){lacking}");
-        // With a requested error, reports that of tiles, to which the request applies; it is smaller than that of pixels.
+        // The request applies to the pixels of each tile, in proportion to its own radiance if that is above the picture's.
         let beyond = self.passes.beyond();
         let text = match self.wanted.error {
             Some(wanted) if self.passes.is_settled() && beyond.tiles == 0 => format!(
-                "{passes} passes: each tile of 16 × 16 pixels has reached the requested standard error, {} % of its radiance or of the \
-                 picture's; that of single pixels is {of_pixels}\n",
+                "{passes} passes: in each tile of 16 × 16 pixels the standard error of pixels has reached the requested {} % of the tile's \
+                 radiance or of the picture's; in the whole picture it is {of_pixels}\n",
                 100.0 * wanted
             ),
             Some(wanted) if self.passes.is_settled() => {
                 let tiles = match beyond.tiles {
-                    1 => "1 tile of 16 × 16 pixels is".to_owned(),
-                    count => format!("{count} tiles of 16 × 16 pixels are"),
+                    1 => "1 tile of 16 × 16 pixels".to_owned(),
+                    count => format!("{count} tiles of 16 × 16 pixels"),
                 };
                 // At equal digits it must not look like the requested error.
                 let largest = 100.0 * beyond.largest;
                 format!(
-                    "{passes} passes: {tiles} beyond the requested standard error, {} % of its radiance or of the picture's, with up to \
-                     {largest:.3} %, because light that few samples find was missed at first; passes of more samples (--spp) help. All \
-                     others have reached it; that of single pixels is {of_pixels}\n",
+                    "{passes} passes: in {tiles} the standard error of pixels is beyond the requested {} % of the tile's radiance or of the \
+                     picture's, with up to {largest:.3} %, because light that few samples find was missed at first; passes of more samples \
+                     (--spp) help. All others have reached it; in the whole picture it is {of_pixels}\n",
                     100.0 * wanted
                 )
             }

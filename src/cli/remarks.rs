@@ -93,14 +93,14 @@ pub fn only_sky(scene: &Scene, film: &Film) -> String {
 
 /// The remark that no object is visible, with advice.
 fn nothing_met(scene: &Scene) -> String {
-    let (from, behind) = match scene.back_faces {
-        BackFaces::TwoSided => ("", ""),
+    let (what, behind) = match scene.back_faces {
+        BackFaces::TwoSided => ("object", ""),
         BackFaces::AsFile | BackFaces::Black | BackFaces::Culled => (
-            " from its front",
+            "object's front",
             ", or, from inside or behind, set display.back_faces = \"two_sided\"",
         ),
     };
-    format!("no ray meets an object{from}: look elsewhere, change camera.hfov{behind}")
+    format!("no {what} is in view: aim the camera elsewhere, change camera.hfov{behind}")
 }
 
 /// The camera times that show objects, if this picture shows none; empty otherwise, and if nothing moves.

@@ -21,7 +21,7 @@ use super::output::{Kind, Outputs, extension};
 use super::progress::Bar;
 use super::reel::{self, Folder, Reel};
 use super::stats::Account;
-use super::{builtin, caption, exposure, inputs, panels, passes, print, say};
+use super::{builtin, caption, exposure, inputs, panels, passes, print, say, warn};
 
 /// The default film rate, pictures per second.
 pub const PLAY_FPS: f64 = 24.0;
@@ -80,6 +80,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     in_pool(arguments.work.threads.count, || match frames {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
+            warn(arguments.work.quiet.on, &frames.far_apart(&scene));
             let request = request(arguments, &outputs, &scene);
             let job = Job {
                 changes: &arguments.changes,

@@ -235,8 +235,15 @@ pub fn precision(text: &str) -> Result<Precision, String> {
     known.ok_or_else(|| "write certified, or fast".into())
 }
 
-/// A percentage; a bare number is one too.
+/// A percentage; a bare number is one too. One up to 1 needs its unit, because elsewhere (`--error 0.05`) it is a part of 1.
 pub fn percentage(text: &str) -> Result<String, String> {
+    if let Ok(said) = number(text, f64::MIN_POSITIVE..=1.0, "") {
+        // Without what rounding leaves of the product.
+        let percent = (1e11 * said).round() / 1e9;
+        return Err(format!(
+            "without a unit this is a percentage, and a very low one: write \"{percent} %\" or \"{said} %\""
+        ));
+    }
     // A text with a unit is kept: the scene file has the same key, and reads it in the same way.
     let text = match text.trim().parse::<f64>() {
         Ok(number) => format!("{number} %"),

@@ -22,6 +22,7 @@ pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::{OBSERVED_NM, colour_matching};
 pub use planck::planck;
 pub use rgb_basis::Continuation;
+pub(crate) use rgb_basis::RGB_BASIS;
 pub use sampled::Wavelengths;
 pub(crate) use sampled::{
     Line, basis_at, colour_of_sampled, per_wavelength_power, reflectances, wavelengths_of,

@@ -48,7 +48,8 @@ impl Continuation {
     }
 }
 
-const TABLE: &str = include_str!("rgb_basis.csv");
+/// Wavelengths in nm, the white per metre, and the weights of red, green and blue.
+pub(crate) const RGB_BASIS: &str = include_str!("rgb_basis.csv");
 
 /// Nanometres between two rows.
 pub(super) const STEP: f64 = 5.0;
@@ -58,7 +59,7 @@ pub(super) const WHITE_TEMPERATURE: f64 = 6504.0;
 
 /// Rows white, red, green, blue.
 static ROWS: LazyLock<Vec<[f64; 4]>> =
-    LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
+    LazyLock::new(|| RGB_BASIS.lines().skip(1).filter_map(row).collect());
 
 /// The result of [`thermal`], which tables of colours need about a million times.
 static THERMAL: LazyLock<[[f64; 3]; 2]> = LazyLock::new(|| {

@@ -7,8 +7,8 @@
 //! √(mean over pixels, and R, G and B, of standard error²) ≤ ε · (mean radiance of the tile, or of the picture if that is higher),
 //! ```
 //!
-//! where two of its own standard deviations are added to the mean square, which is uncertain while few passes find a light,
-//! and a tile is rendered until both halves are decided. The first decision comes after 4 passes and 32 samples per pixel of each half:
+//! where two of its own standard deviations are added to the mean square, which is uncertain while few passes find a light. A tile is
+//! rendered until both halves are decided. The first decision comes after 4 passes and 32 samples per pixel of each half:
 //! of fewer samples, all parts of a half often agree exactly at the rim of a light, although their mean is wrong. As this number depends on
 //! no sample, it adds no bias. A half that saw too little noise by chance can still settle the other too early; passes that make up for it would
 //! depend on the values, so they are not taken, and the tile is counted ([`Passes::beyond`]).

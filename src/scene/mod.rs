@@ -58,7 +58,8 @@
 //!   the camera frame**. For a camera at rest all this is intuitive; at 0.9 c the point `look_at` is in general not seen in the middle of
 //!   the picture.
 //! - `motion` is the pinhole's motion from there: without acceleration if it is absent; with a proper acceleration (the reading of an
-//!   accelerometer on board: `acceleration`, consecutive `segments`, or a `profile`), whose direction is given in the camera frame; or
+//!   accelerometer on board: `acceleration`, consecutive `segments`, or a `profile`), whose direction is given in
+//!   the axes of a gyroscope on board, which at the camera's time 0 are the camera frame's, or with `axes = "world"` in the camera frame; or
 //!   along a path in the world (`keyframes`, `animation`, `circle`), whose times are the world's. Profiles and keyframes have a first and
 //!   a last time, and an exposure must lie between them; before and after an animation the pinhole is at rest.
 //! - A *sensor* lies perpendicular to the forward axis at the focal length d behind the pinhole, and all of it is exposed at one camera

@@ -519,7 +519,7 @@ pub enum Clock {
     /// The emitting object's own time.
     Object,
     /// Arrival at the capture camera ("warped"): the frame's time of emission plus
-    /// η × *distance* to the capture pinhole. Needs [`Mapping::Capture`]. The frame's time is world time
+    /// η × *distance* to the capture pinhole. Needs a capture camera. The frame's time is world time
     /// for objects at rest in the world and the object's own for others.
     Capture,
 }

@@ -100,7 +100,9 @@ impl Report {
 
     /// The edit that set the value at `place`.
     fn edit_within(&self, place: &Place) -> Option<&Edit> {
-        self.edits.iter().find(|edit| place.is_within(&edit.place))
+        // Of several edits the last one counts.
+        let mut edits = self.edits.iter().rev();
+        edits.find(|edit| place.is_within(&edit.place))
     }
 
     fn not_toml(&self, span: Range<usize>, message: &str) -> Error {
@@ -168,6 +170,17 @@ fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
         let help = meant + &described(&place.0).unwrap_or_default();
         return (what, help);
     }
+    // serde names whole numbers by their types in Rust.
+    let ranges = [("u32", "from 0 to 4294967295"), ("usize", "from 0 on")];
+    let refused = ranges.into_iter().find_map(|(name, range)| {
+        let found = message.strip_suffix(name)?.strip_suffix(", expected ")?;
+        let found = found.split_once(": ")?.1.replace('`', "");
+        let found = found
+            .trim_start_matches("integer ")
+            .trim_start_matches("floating point ");
+        Some(format!("{found} is not a whole number {range}"))
+    });
+    let message = refused.as_deref().unwrap_or(message);
     // The description of the key itself, or of the nearest enclosing table that has one.
     let help = (0..place.0.len())
         .rev()

@@ -539,7 +539,7 @@ fn what_is_not_read_is_named_once() {
     for said in [
         "extensionsUsed: the extension \"KHR_materials_clearcoat\" is not supported",
         "animation 0: animations of meshes are not played",
-        "node 4 \"lamp\": a scene uses its own [[light]] tables",
+        "node 4 \"lamp\": the file's lights shine only if it is rendered without a scene",
         "node 2 \"hidden\": hidden nodes and what is below them are left out",
         "material 1 \"full\": normal maps are not read",
         "material 1 \"full\": occlusion maps are not read",

@@ -124,6 +124,9 @@ fn a_budget_of_nothing_measures_nothing_and_says_so() {
     assert!(study.was_cut_short);
     assert!(study.entries.iter().all(|e| e.timing.is_none()));
     assert!(table(&study).contains("no time"));
+    // Which is no verdict on any method.
+    assert!(table(&study).contains("not measured: the budget ended first"));
+    assert!(!table(&study).contains("fastest"));
     assert!(svg::write(&draw(&study).unwrap()).is_ok());
 }
 

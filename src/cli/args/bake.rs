@@ -43,7 +43,7 @@ pub struct BakeArguments {
     /// The time at which the first bin starts. Default: 0.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub start: Option<Time>,
-    /// Width of a bin, with its unit: "5 cm" or "100 ps".
+    /// Width of a bin, with its unit: "5 cm" or "100 ps". Required, except with --flash.
     #[arg(
         long,
         value_name = "TIME",

@@ -12,10 +12,12 @@ use crate::cli::values;
 
 #[derive(Debug, Args)]
 pub struct ConvertArguments {
-    /// A .npy, .npz, .ti or HDF5 file, a Zarr folder, a folder of numbered pictures, or a pattern for their names.
+    /// A .npy, .npz or .ti file, a folder of numbered pictures, or a pattern for their names; an HDF5 file or a Zarr folder, if the
+    /// program was built with the features hdf5 or zarr.
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
-    /// A .npy, .npz or .h5 file to write, a new Zarr folder (.zarr), or, for a name without an extension, a new folder of EXR frames.
+    /// A .npy or .npz file to write, or, for a name without an extension, a new folder of EXR frames; an .h5 file or a new Zarr folder
+    /// (.zarr), if the program was built with the features hdf5 or zarr.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// The array of an .npz or HDF5 file that holds several; axes named L need the number of an entry in brackets, like "H[3]".

@@ -31,8 +31,8 @@ pub struct DiagramArguments {
     /// holds only these.
     #[arg(long, value_name = "A..B", value_parser = values::frames, allow_hyphen_values = true)]
     pub frames: Option<Range<u64>>,
-    /// Pictures per second in a film. Default: diagram.animation.fps.
-    #[arg(long, value_name = "N", value_parser = values::film_rate, allow_hyphen_values = true)]
+    /// Pictures per second of a film when it is played; also --fps. Default: diagram.animation.fps.
+    #[arg(long = "play-fps", alias = "fps", value_name = "N", value_parser = values::film_rate, allow_hyphen_values = true)]
     pub fps: Option<f64>,
     /// Show ct and one direction of space, or two: "1+1" or "2+1".
     #[arg(long, value_name = "D", value_parser = ["1+1", "2+1"])]

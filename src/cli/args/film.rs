@@ -11,6 +11,7 @@ use crate::cli::values;
 
 #[derive(Debug, Args)]
 #[command(arg = Arg::new("frames").long("frames").hide(true).value_parser(frames_of_film))]
+#[command(mut_arg("time", |time| time.help("The time of the scene's own camera, by its clock, when --flyby passes its place, or when --accelerate or --speeds begin: \"3.2 m\" or \"12 ns\"")))]
 pub struct FilmArguments {
     #[command(flatten)]
     pub scene: ScenePath,
@@ -21,8 +22,8 @@ pub struct FilmArguments {
     /// Number of pictures in the film.
     #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u32).range(2..=100_000), allow_negative_numbers = true)]
     pub pictures: u32,
-    /// Pictures per second.
-    #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::film_rate, allow_hyphen_values = true)]
+    /// Pictures per second of the film when it is played; also --fps.
+    #[arg(long = "play-fps", alias = "fps", value_name = "N", default_value_t = 24.0, value_parser = values::film_rate, allow_hyphen_values = true)]
     pub fps: f64,
     /// Beside each picture: what a camera at rest in the same place sees ("rest"), or the scene's space-time diagram in the
     /// camera's frame ("diagram", with --speeds).
@@ -78,7 +79,7 @@ pub struct MotionArguments {
     )]
     pub speeds: Option<f64>,
     /// Keep the scene's own camera while light passes by.
-    #[arg(long, group = "moves")]
+    #[arg(long, group = "moves", conflicts_with = "time")]
     pub light: bool,
     /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: to its right for --flyby, else ahead.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true, conflicts_with = "light")]
@@ -91,7 +92,7 @@ pub struct MotionArguments {
     /// not counting light that lasts ten times as long as a flash.
     #[arg(long, value_name = "TIME", requires = "to", conflicts_with_all = ["flyby", "accelerate", "speeds"], allow_hyphen_values = true)]
     pub from: Option<Time>,
-    /// The camera's time at the last picture, with --light.
+    /// The camera's time at the last picture, with --light (`render --to` ends before its time).
     #[arg(
         long,
         value_name = "TIME",

@@ -90,7 +90,8 @@ pub enum Command {
     /// Predict how finely a rasterizer has to tessellate the objects of a scene.
     #[command(after_help = help::TESSELLATION)]
     Tessellation(TessellationArguments),
-    /// Show what a file holds: glTF, npy, npz, ti, HDF5 (.h5, .mat), exr, png, hdr, tif, csv, a scene, or a folder of pictures or a Zarr array.
+    /// Show what a file holds: glTF, npy, npz, ti, exr, png, hdr, csv, a scene, or a folder of pictures; as features of the build also HDF5
+    /// (.h5, .mat), tif and Zarr.
     #[command(after_help = help::INFO)]
     Info(InfoArguments),
     /// Test this build on this machine: numbers against arbitrary precision, meshes for gaps that rays slip through.

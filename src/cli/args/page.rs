@@ -40,7 +40,7 @@ pub struct PageArguments {
         allow_hyphen_values = true
     )]
     pub from: Option<Time>,
-    /// … and ends here.
+    /// … and ends here; both are among its times.
     #[arg(
         long,
         value_name = "TIME",

@@ -92,9 +92,9 @@ pub struct RenderArguments {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Progressive rendering")]
 pub struct PassArguments {
-    /// Render passes of --spp samples until the standard error of each tile of 16 x 16 pixels is at most this fraction of
-    /// its radiance, or of the picture's mean where that is larger: "1 %" or 0.01. Noisy tiles get more passes. The files improve
-    /// with every pass; after Ctrl-C, run the same command again to resume.
+    /// Render passes of --spp samples until in each tile of 16 x 16 pixels the root mean square of the pixels' standard errors is
+    /// at most this fraction of the tile's mean radiance, or of the picture's where that is larger: "1 %" or 0.01. Noisy tiles get
+    /// more passes. The files improve with every pass; after Ctrl-C, run the same command again to resume.
     #[arg(long, value_name = "PERCENT", value_parser = values::relative_error)]
     pub error: Option<f64>,
     /// Render passes for this long: "60 s", "5 min" or "1 h"; but at least two. Without a unit, in seconds.
@@ -123,7 +123,7 @@ impl PassArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Models without a scene (.glb, .gltf)")]
 pub struct ModelArguments {
-    /// The camera's speed v/c, above -1 and below 1. Default: at rest; 0.5 for --flyby.
+    /// The camera's speed v/c, above -1 and below 1: 0.9 or 0.9c. Default: at rest; 0.5 for --flyby.
     #[arg(long, value_name = "BETA", value_parser = values::speed, allow_negative_numbers = true)]
     pub beta: Option<f64>,
     /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it. Default: x.
@@ -196,7 +196,7 @@ pub struct FrameArguments {
         allow_hyphen_values = true
     )]
     pub from: Option<Time>,
-    /// The camera's proper time at which the sequence ends; no frame is taken at it.
+    /// The camera's proper time at which the sequence ends; no frame is taken at it (`film` and `page` include theirs).
     #[arg(
         long,
         value_name = "TIME",
@@ -205,7 +205,8 @@ pub struct FrameArguments {
         allow_hyphen_values = true
     )]
     pub to: Option<Time>,
-    /// Frames per second of the camera's clock. Default: by the scene's camera.frame_interval.
+    /// Frames per second of the camera's clock, in which light goes 299,792 km; not the speed of a film, which is --play-fps.
+    /// Default: by the scene's camera.frame_interval.
     #[arg(
         long,
         value_name = "N",

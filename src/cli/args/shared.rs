@@ -87,7 +87,7 @@ pub struct Changes {
     pub spp: Option<u32>,
     #[command(flatten)]
     pub edits: Edits,
-    /// The radiance that becomes white in a .png, as a percentile of the lit pixels: "95 %".
+    /// The radiance that becomes white in a .png, as a percentile of the lit pixels: "95 %", or 95.
     #[arg(long, value_name = "PERCENT", conflicts_with = "white", value_parser = values::percentage)]
     pub exposure: Option<String>,
     /// The radiance that becomes white in a .png.
@@ -257,9 +257,9 @@ impl LineArguments {
 /// The exposure of several pictures.
 #[derive(Debug, Args)]
 pub struct ExposureArgument {
-    /// Use one exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile over small
-    /// previews, of all panels, or of the middle third of frames, films and pages. The default for frames, pages and films
-    /// (except films of --speeds), not for panels; parts of a series that are rendered apart need --white.
+    /// Use one exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile, over small
+    /// previews of all panels, or of the middle third of a sequence, film or page. The default for these (except films of
+    /// --speeds), not for panels. If you render parts of a sequence separately, give --white.
     #[arg(long)]
     same_exposure: bool,
     /// Give each picture its own exposure. The default for panels, and for films of --speeds.

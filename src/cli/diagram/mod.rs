@@ -35,6 +35,7 @@ pub fn run(mut arguments: DiagramArguments) -> Result<()> {
     let arguments = &arguments;
     let outputs = outputs(arguments)?;
     check_boost(arguments, &outputs)?;
+    check_speed(arguments, &outputs)?;
     let mut model = match arguments.pixel.pixel {
         Some(pixel) => pixel::model(arguments, pixel)?,
         None => model(arguments)?,
@@ -64,6 +65,16 @@ fn check_boost(arguments: &DiagramArguments, outputs: &[Output]) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses a speed of a film that is not written.
+fn check_speed(arguments: &DiagramArguments, outputs: &[Output]) -> Result<()> {
+    if arguments.fps.is_none() || outputs.iter().any(Output::is_animated) {
+        return Ok(());
+    }
+    let what = "it is the speed of a film, but none of these files is one";
+    let help = "add an output, -o FILE.apng or -o FILE.y4m, or leave out --play-fps";
+    Err(refused("--play-fps", what, help))
 }
 
 /// The file's diagram, or that of its scene; meshes and cubes are not read.

@@ -388,7 +388,12 @@ impl Sequence<'_> {
                     let others = remarks::other_times(scene, film, p);
                     others + &remarks::times(scene, p) + &misfits.map(line).collect::<String>()
                 });
-                self.done.remark = format!("frame {number}: {remark}{}", times.unwrap_or_default());
+                let text = format!("frame {number}: {remark}{}", times.unwrap_or_default());
+                // --time does not choose the times of frames that follow a clock.
+                self.done.remark = match self.job.frames.time(number) {
+                    Some(_) => text.replace("--time", "camera time"),
+                    None => text,
+                };
             }
         }
     }

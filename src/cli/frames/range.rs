@@ -18,6 +18,9 @@ use crate::cli::values::MOST_FRAMES;
 /// A frame this close to the end of the range counts as at the end, in intervals.
 const AT_THE_END: f64 = 1e-9;
 
+/// Frames this many times as far apart as the farthest object is away look like a mistake.
+const FAR: f64 = 1000.0;
+
 /// The frames of a sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frames {
@@ -157,6 +160,22 @@ impl Frames {
             numbers: 0..count.into(),
             start: from,
             pace: Pace::Interval((to - from) / steps),
+        })
+    }
+
+    /// The remark on frames of a rate that are so far apart that it looks like the speed of a film.
+    pub fn far_apart(&self, scene: &Scene) -> Option<String> {
+        let Pace::Rate { per_second, .. } = self.pace else {
+            return None;
+        };
+        let origins = scene.objects.iter().map(|object| object.origin.x);
+        let distances = origins.map(|x| x.distance(scene.camera.origin.x));
+        let (farthest, interval) = (distances.fold(1.0, f64::max), self.pace.interval());
+        (interval > FAR * farthest && self.numbers.end - self.numbers.start > 1).then(|| {
+            format!(
+                "frames are {interval:.3e} m of light path apart: --fps {per_second} is a rate of the camera's own clock; for the speed of \
+                 a film give --play-fps, and for the time between frames --interval"
+            )
         })
     }
 

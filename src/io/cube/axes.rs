@@ -76,7 +76,8 @@ impl Axes {
             let what = format!(
                 "an array of shape {sizes:?} is probably a colour picture, but may be a cube of {last} time bins"
             );
-            let help = "say which in the source's `axes`: \"H W C\" is a steady picture, \"H W T\" a cube in time";
+            let help =
+                "say which in `axes`: \"H W C\" is a steady picture, \"H W T\" a cube in time";
             return Err((what, help));
         }
         let all = [Axis::Row, Axis::Column, Axis::Time, Axis::Channel];
@@ -84,7 +85,7 @@ impl Axes {
             count @ (3 | 4) => Ok(Axes(all[..count].to_vec())),
             _ => Err((
                 format!("an array of shape {sizes:?} is not a cube"),
-                "a cube has three or four axes, (H, W, T) or (H, W, T, C); for any others name them in the source's `axes`, \
+                "a cube has three or four axes, (H, W, T) or (H, W, T, C); for any others name them in `axes`, \
                  like \"H W\" for a steady picture",
             )),
         }

@@ -357,7 +357,7 @@ fn film_without_radiance(arrangement: &Arrangement, axes: &Axes) -> Option<Strin
 }
 
 /// The advice about an order of axes.
-const AXES: &str = "name the axes of the array in the source's `axes`, like \"T H W\" or \"C T H W\": \
+const AXES: &str = "name the axes of the array in `axes`, like \"T H W\" or \"C T H W\": \
                     H rows, W columns, T time bins, C channels, 1 an axis of one entry";
 
 fn no_radiance(place: &Place, descr: &str) -> crate::Error {

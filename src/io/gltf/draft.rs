@@ -71,11 +71,11 @@ const MOST_NAMED: usize = 20;
 
 /// The warning about a file's lights.
 pub(crate) const LIGHTS_UNREAD: &str =
-    "a scene uses its own [[light]] tables; the file's lights apply only without a scene";
+    "the file's lights shine only if it is rendered without a scene; a scene has [[light]] tables";
 
 /// The warning about a file's cameras.
 pub(crate) const CAMERAS_UNREAD: &str =
-    "the file's cameras are ignored without a scene; name one by gltf and node in [camera]";
+    "the file's cameras are used only if a scene names them, by gltf and node in [camera]";
 
 /// The warning about animations that move no mesh.
 pub(crate) const ANIMATIONS_UNREAD: &str =

@@ -508,9 +508,10 @@ fn unshown_materials(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     });
     let glossy: Vec<_> = glossy.map(|index| quoted(&objects[index].name)).collect();
     if !glossy.is_empty() {
+        let are = if glossy.len() == 1 { "is" } else { "are" };
         notes.push(format!(
-            "only pulses light {}, and surfaces reflect them diffusely: only lit scenes show metalness, roughness and glass: add a \
-             [[light]], or [sky] with radiance = 0",
+            "{} {are} lit only by pulses, which surfaces reflect diffusely: to show metal, gloss and glass, add a [[light]], or [sky] with \
+             radiance = 0",
             listed(&glossy)
         ));
     }

@@ -150,7 +150,7 @@ impl Plan {
         if rays.bounces_at_most > 0 {
             let _ = write!(
                 text,
-                ", at most {} on from surfaces",
+                ", at most {} continued from surfaces",
                 count(rays.bounces_at_most)
             );
         }

@@ -118,9 +118,15 @@ impl SeenTimes {
         let [[a, b], [c, d]] = [self.seen, self.data].map(|span| span.map(rounded));
         let source = self.source(scene);
         match (self.source < scene.sources.len(), is_train) {
-            (true, _) => format!(
-                "{source}: light in view left between ct = {a} m and {b} m; its data span {c} m to {d} m"
-            ),
+            (true, _) => {
+                let has = match self.is_of_cube(scene) {
+                    true => "its data span",
+                    false => "its light is emitted from",
+                };
+                format!(
+                    "{source}: light in view left between ct = {a} m and {b} m; {has} {c} m to {d} m"
+                )
+            }
             (false, false) => format!(
                 "{source}: light in view left between its own times {a} m and {b} m; it shines from {c} m to {d} m"
             ),

@@ -57,7 +57,7 @@ pub struct Turning {
     pub speed_of_light: f64,
 }
 
-/// The projections of [`crate::camera`].
+/// How a camera maps look directions to its picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -162,7 +162,7 @@ pub enum Assembly {
     /// The focal length is measured in the world: along the motion the camera's own is γ times longer.
     WorldLength,
     /// Sensor and pinhole accelerate alike, like Bell's two spaceships: where each element is, relative to the pinhole, is constant in the
-    /// world. In the camera's own frame the whole sensor is stretched by γ along the motion; that of [`Assembly::WorldLength`] keeps its
+    /// world. In the camera's own frame the whole sensor is stretched by γ along the motion; that of "world_length" keeps its
     /// width, and only its distance differs.
     Bell,
 }

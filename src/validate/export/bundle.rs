@@ -136,7 +136,8 @@ pub struct CameraEntry {
     /// L: maps displacements of the camera frame to the world. The camera frame's axes are the world's, boosted without rotation. Its
     /// first column is the camera's four-velocity.
     pub world_from_camera: Matrix,
-    /// The motion of the pinhole: "inertial", "acceleration", "segments", "profile", "keyframes" or "circle".
+    /// The motion of the pinhole: "inertial", "acceleration", "segments", "profile", "keyframes", "animation" or
+    /// "circle".
     pub motion: &'static str,
     /// The sensor behind the pinhole; null for a point camera.
     pub sensor: Option<SensorEntry>,
@@ -255,8 +256,8 @@ pub struct Radiometry {
     /// p: the observed radiance is W⁻ᵖ times the emitted one; 0 if the searchlight effect is turned off.
     pub exponent: u32,
     /// If the quantity is "rgb", how its spectra continue below 360 and above 830 nm: "blackbody", "edge", "dark" or "companions" (given
-    /// by the channels of cubes, with M as in [`crate::colour::CompanionShift`]). The observed radiance is then M(W) times the emitted
-    /// one, with M as in [`crate::colour::RgbShift`], and the exponent is that of its brightness.
+    /// by the channels of cubes). The observed radiance is then M(W) times the emitted one, with the matrix M that README.md defines, and
+    /// the exponent is that of its brightness.
     pub continuation: Option<&'static str>,
 }
 

@@ -25,15 +25,17 @@ pub use vectors::{ObjectVectors, Tolerances, VECTORS_FORMAT, Vector, Vectors};
 
 use crate::accel::Precision;
 use crate::camera::Camera;
+use crate::colour::RGB_BASIS;
 use crate::error::{Error, Message, Result, Setting};
 use crate::io::gltf::{self, Want};
 use crate::io::image::{npz, write_atomically};
 use crate::io::temporary::in_target;
 use crate::render::metadata;
-use crate::render::plan::{Plan, Request};
+use crate::render::plan::{Plan, Request, is_moot};
 use crate::render::prepare::object_mesh;
 use crate::render::progress::Progress;
 use crate::scene::model::Scene;
+use crate::spacetime::Quantity;
 use folder::Folder;
 
 /// The value of [`Bundle::format`].
@@ -194,6 +196,10 @@ fn filled(
     files.text(TEXT, &scene.text)?;
     files.text("README.md", README)?;
     files.text(SCHEMA, BUNDLE_SCHEMA)?;
+    let mut quantities = scene.sources.iter().map(|source| source.quantity);
+    if scene.quantity == Quantity::Rgb || quantities.any(|quantity| quantity == Quantity::Rgb) {
+        files.text("rgb_basis.csv", RGB_BASIS)?;
+    }
     stop_if_cancelled(progress)?;
     let bundle = Bundle {
         format: FORMAT,
@@ -211,6 +217,7 @@ fn filled(
     };
     files.text(DESCRIPTION, &json(&bundle)?)?;
     files.folder.finish()?;
+    warnings.retain(|what| !is_moot(scene, what));
     Ok(Exported { bundle, warnings })
 }
 

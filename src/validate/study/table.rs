@@ -95,7 +95,7 @@ pub fn table(study: &Study) -> String {
         let _ = writeln!(text, "{} was left out: {}", left_out.method, left_out.why);
     }
     for verdict in &study.verdicts {
-        let _ = writeln!(text, "{}", sentence(verdict, study.threads));
+        let _ = writeln!(text, "{}", sentence(verdict, study));
     }
     text
 }
@@ -138,13 +138,31 @@ fn row(entry: &Entry) -> String {
 }
 
 /// A verdict in words.
-fn sentence(verdict: &Verdict, threads: usize) -> String {
+fn sentence(verdict: &Verdict, study: &Study) -> String {
     let Verdict {
         pixels, samples, ..
     } = verdict;
-    let fastest = match &verdict.fastest {
-        Some(method) => format!("{method} is fastest"),
-        None => "no method is significantly fastest".into(),
+    let case = format!(
+        "at most {pixels} px everywhere, samples {samples}, threads {}",
+        study.threads
+    );
+    // Methods that are accurate enough, but of which there is no run.
+    let is_untimed = |entry: &Entry| {
+        entry.samples == *samples && entry.geometry.pixels.max <= *pixels && entry.timing.is_none()
+    };
+    let is_cut = study.entries.iter().any(is_untimed);
+    let is_timed = verdict.trace.is_some()
+        || verdict.trace_fast.is_some()
+        || verdict.raster.is_some()
+        || verdict.warp.is_some();
+    let fastest = match (&verdict.fastest, is_timed, is_cut) {
+        (_, false, true) => return format!("{case}: not measured: the budget ended first"),
+        (_, false, false) => return format!("{case}: none of the methods is that accurate"),
+        (Some(method), _, false) => format!("{method} is fastest"),
+        (Some(method), _, true) => {
+            format!("{method} is fastest of those measured before the budget ended")
+        }
+        (None, ..) => "no method is significantly fastest".into(),
     };
     let ms = |time: f64| format!("{:.2} ms", 1e3 * time);
     let trace = verdict.trace.map_or("not measured".into(), ms);
@@ -166,7 +184,5 @@ fn sentence(verdict: &Verdict, threads: usize) -> String {
         Some((warp, time)) => format!("; {warp} {}", ms(*time)),
         None => String::new(),
     };
-    format!(
-        "at most {pixels} px everywhere, samples {samples}, threads {threads}: {fastest}: ray tracer {trace}{fast}; {raster}{warp}"
-    )
+    format!("{case}: {fastest}: ray tracer {trace}{fast}; {raster}{warp}")
 }

@@ -76,7 +76,7 @@ fn a_black_picture_is_explained() {
         "camera.velocity={beta=[0,0,0]}",
     ]);
     assert!(
-        away.contains("black: no ray meets an object from its front"),
+        away.contains("black: no object's front is in view"),
         "{away}"
     );
     let early = said(&["--set", "camera.clock_zero=\"3 m\""]);

@@ -72,6 +72,60 @@ fn channels_of_infrared_and_ultraviolet_are_named_by_info_plan_and_metadata() {
     assert!(brightness("c.exr") > 3.0 * brightness("b.exr"));
 }
 
+/// A scene whose pictures have most keys of metadata.
+const EVERYTHING: &str = r#"
+[camera]
+eye = [0, 1, 4]
+look_at = [0, 0.5, 0]
+hfov = "60 deg"
+size = [8, 6]
+frame_interval = "1 m"
+[camera.motion]
+circle = { centre = [0, 1, 0], axis = [0, 1, 0], rate = "0.01 rad/m" }
+[camera.sensor]
+focal_length = "36 mm"
+[camera.shutter]
+duration = "1 cm"
+integration = "means"
+[[object]]
+shape = { plane = { size = [8, 8] } }
+[[light]]
+position = [0, 5, 0]
+[radiance]
+quantity = "rgb"
+[render]
+bounces = 1
+spectra = "sampled"
+[display]
+false_colour = "1 um"
+"#;
+
+#[test]
+fn the_guide_explains_every_key_of_metadata() {
+    let guide = include_str!("../../../src/light/guide.md");
+    let folder = Folder::empty();
+    folder.write("scene.toml", EVERYTHING);
+    let options = ["--spp", "4", "--passes", "2", "--aovs", "standard_error"];
+    folder.ok(&[&["render", "scene.toml", "-o", "a.exr"][..], &options].concat());
+    channels_scene(&folder, 5, &format!("{FIVE}\n{RGB}"));
+    folder.ok(&["render", "channels.toml", "-o", "b.png"]);
+    let mut keys = Vec::new();
+    for name in ["a.exr", "b.png"] {
+        let told: serde_json::Value =
+            serde_json::from_str(&folder.ok(&["info", name, "--json"])).unwrap();
+        keys.extend(told["metadata"].as_object().unwrap().keys().cloned());
+    }
+    assert!(keys.len() > 50, "{keys:?}");
+    let circle = "camera_circle";
+    for key in keys {
+        let short = key.replace(circle, "");
+        assert!(
+            guide.contains(&format!("`{key}`")) || guide.contains(&format!("`{short}`")),
+            "{key}"
+        );
+    }
+}
+
 #[test]
 fn channels_that_cannot_be_are_refused_in_their_place() {
     let folder = Folder::empty();

@@ -43,7 +43,7 @@ fn a_dark_picture_says_when_the_light_left_and_when_to_look() {
         .find(|line| line.starts_with("source \"flash\""))
         .expect(&said);
     assert!(
-        line.contains("and -7 m; its data span 9.96 m to 10.04 m"),
+        line.contains("and -7 m; its light is emitted from 9.96 m to 10.04 m"),
         "{line}"
     );
     // At rest, a shot that is later by t sees light that left later by t: from 9.96 + 7 m on.
@@ -312,16 +312,16 @@ fn a_picture_without_any_object_says_so_and_advises_nothing_that_is_set() {
     for (scene, part, advice) in [
         (
             format!("{inside}{sky}"),
-            "only the sky is in view: no ray meets an object from its front",
+            "only the sky is in view: no object's front is in view",
             true,
         ),
         (
             format!("{two_sided}{sky}"),
-            "only the sky is in view: no ray meets an object:",
+            "only the sky is in view: no object is in view:",
             false,
         ),
-        (away, "black: no ray meets an object from its front", true),
-        (two_sided, "black: no ray meets an object:", false),
+        (away, "black: no object's front is in view", true),
+        (two_sided, "black: no object is in view:", false),
     ] {
         let [_, said] = planned_and_rendered(&folder, &scene);
         assert!(said.contains(part), "{part}: {said}");
@@ -368,7 +368,7 @@ fn after_a_camera_has_passed_everything_the_times_that_show_it_are_named() {
         &scene("100 m", "").replace("[0, 0, 0]\nh", "[0, 0, 9]\nh"),
     );
     assert!(
-        said.contains("no ray meets an object") && !said.contains("--time"),
+        said.contains("no object's front is in view") && !said.contains("--time"),
         "{said}"
     );
 }

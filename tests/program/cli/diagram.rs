@@ -185,6 +185,10 @@ fn what_is_asked_for_wrongly_is_refused() {
         ),
         ("d.toml -o a.svg -o a.svg", &["-o a.svg", "two outputs"]),
         ("d.toml -o nowhere/a.svg", &["nowhere"]),
+        (
+            "moving.toml --fps 5 -o a.svg",
+            &["--play-fps", "none of these files is one"],
+        ),
         ("d.toml --frame there", &["no frame \"there\"", "\"out\""]),
         (
             "d.toml --boost-to there -o a.apng",

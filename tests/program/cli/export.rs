@@ -1,7 +1,7 @@
 //! `nullray export`.
 
-use super::Folder;
 use super::refused::refused;
+use super::{Folder, repository};
 
 #[test]
 fn a_scene_is_exported_and_what_was_written_is_said() {
@@ -14,6 +14,14 @@ fn a_scene_is_exported_and_what_was_written_is_said() {
             .contains("wrote bundle: 2 objects (14 triangles), 1 source,")
     );
     assert!(folder.path("bundle/bundle.json").exists());
+}
+
+#[test]
+fn what_a_scene_has_no_use_for_in_its_models_is_not_remarked() {
+    let folder = Folder::empty();
+    let capture = repository("scenes/capture.toml");
+    let run = folder.run(&["export", &capture, "--size", "8x6", "-o", "b"]);
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }
 
 #[test]

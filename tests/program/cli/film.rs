@@ -412,7 +412,15 @@ fn films_that_cannot_be_made_are_refused() {
         ),
         (
             "film scene.toml --accelerate 0.5 --direction away",
-            &["--direction", "-x"],
+            &[
+                "--direction",
+                "-x",
+                "`render` and `plan` of a model without a scene",
+            ],
+        ),
+        (
+            "film scene.toml --light --time 1m",
+            &["--light", "--time", "cannot be used"],
         ),
         (
             "film scene.toml --light --beside rest",

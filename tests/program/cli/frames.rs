@@ -138,6 +138,32 @@ fn frames_per_second_are_of_the_cameras_clock_and_the_scenes_light() {
 }
 
 #[test]
+fn frames_that_are_absurdly_far_apart_are_remarked() {
+    let folder = folder();
+    let far = ["--frames", "0..2", "--fps", "24", "-o", "f.png"];
+    let said = folder.ok(&sequence(&far));
+    assert!(
+        said.contains("frames are 1.249e7 m of light path apart") && said.contains("--play-fps"),
+        "{said}"
+    );
+    let near = ["--frames", "0..2", "--fps", "1e9", "-o", "f.png"];
+    let said = folder.ok(&sequence(&near));
+    assert!(!said.contains("light path apart"), "{said}");
+}
+
+#[test]
+fn black_frames_of_a_clock_are_not_advised_to_change_the_time_of_a_single_picture() {
+    let folder = folder();
+    let early = ["--from=-9 km", "--to=-8 km", "--interval=1 km", "-o=f.png"];
+    let said = folder.ok(&sequence(&early));
+    assert!(
+        said.contains("the picture is black") && !said.contains("--time"),
+        "{said}"
+    );
+    assert!(said.contains("camera time"), "{said}");
+}
+
+#[test]
 fn a_range_of_times_is_half_open_in_spite_of_rounding() {
     let folder = folder();
     // In binary 0.1 · 3 is above 0.3.

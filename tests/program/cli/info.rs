@@ -690,7 +690,7 @@ fn a_model_without_a_scene_says_that_its_cameras_are_not_used() {
         "cameras.glb",
         std::fs::read(repository("tests/data/valid/cameras.glb")).unwrap(),
     );
-    let told = "the file's cameras are ignored without a scene";
+    let told = "the file's cameras are used only if a scene names them";
     for arguments in [
         &["plan", "cameras.glb"][..],
         &["render", "cameras.glb", "--size", "8x6", "-o", "out.png"],

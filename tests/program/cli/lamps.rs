@@ -89,7 +89,7 @@ fn a_plan_says_when_light_of_pulses_and_lamps_is_in_view() {
     let said = folder.ok(&["plan", "pulse.toml"]);
     let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        words.contains("and -7 m; its data span 9.96 m to 10.04 m"),
+        words.contains("and -7 m; its light is emitted from 9.96 m to 10.04 m"),
         "{said}"
     );
     assert!(

@@ -74,8 +74,8 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
         !said.contains("resuming") && said.contains("32 passes") && said.contains("starting over"),
         "{said}"
     );
-    // What was asked for is said to be reached, and is not the error of single pixels.
-    let reached = "each tile of 16 × 16 pixels has reached the requested standard error, 60 %";
+    // What was asked for is said to be reached, for the pixels of each tile.
+    let reached = "in each tile of 16 × 16 pixels the standard error of pixels has reached the requested 60 %";
     assert!(said.contains(reached), "{said}");
     assert!(!parts.path("a.npz.passes").exists());
     // A damaged file is refused, and named.
@@ -135,7 +135,7 @@ fn tiles_that_miss_the_requested_error_are_counted_with_the_largest_error() {
             true => {
                 missed += 1;
                 let words = format!(
-                    "1 tile of 16 × 16 pixels is beyond the requested standard error, 20 % of its radiance or of the picture's, with up to {error:.3} %"
+                    "in 1 tile of 16 × 16 pixels the standard error of pixels is beyond the requested 20 % of the tile's radiance or of the picture's, with up to {error:.3} %"
                 );
                 assert!(
                     said.contains(&words) && said.contains("--spp"),
@@ -245,10 +245,7 @@ fn an_error_that_is_reached_says_again_that_light_is_missing() {
             "-o",
             "a.png",
         ]);
-        assert!(
-            said.contains("has reached the requested standard error"),
-            "{said}"
-        );
+        assert!(said.contains("has reached the requested 50 %"), "{said}");
         assert_eq!(said.contains(words), is_said, "{said}");
     }
 }

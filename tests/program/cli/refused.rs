@@ -76,6 +76,10 @@ fn wrong_values_of_options_are_refused() {
             &["memory", "more than the limit", "--max-memory"],
         ),
         (&["--exposure", "150 %"], &["--exposure 150 %", "100"]),
+        (
+            &["--exposure", "0.99"],
+            &["--exposure 0.99", "\"99 %\" or \"0.99 %\""],
+        ),
         (&["--exposure", "bright"], &["--exposure", "2.5 %"]),
         (&["--white", "-1"], &["--white -1", "above 0"]),
         (&["--white", "1e-320"], &["--white 1e-320", "above 0"]),

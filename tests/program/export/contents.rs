@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
+use nullray::colour::{Continuation, RgbShift, rgb_from_xyz};
 use nullray::io::cube::{self, Cube, CubeSamples};
 use nullray::io::gltf;
 use nullray::io::image;
@@ -177,6 +178,59 @@ fn the_page_defines_each_channel_as_the_table_does() {
     );
     let channels = exported.bundle.json["channels"].as_array().unwrap();
     assert_eq!(channels.len(), Aov::ALL.len() + 3);
+}
+
+#[test]
+fn the_schema_can_be_read_without_the_sources() {
+    for link in ["crate::", "[`", "Mapping::"] {
+        assert!(!BUNDLE_SCHEMA.contains(link), "{link}");
+    }
+}
+
+#[test]
+fn the_matrix_of_rgb_follows_from_the_page_and_the_table_beside_it() {
+    let text = format!("radiance = {{ quantity = \"rgb\", continuation = \"edge\" }}\n{SMALL}");
+    let exported = exported(&text);
+    let numbers = |text: &str| -> Vec<Vec<f64>> {
+        let rows = text.lines().map(|row| {
+            let cells: Result<Vec<f64>, _> = row.split(',').map(str::parse).collect();
+            cells
+        });
+        rows.flatten().collect()
+    };
+    let basis = numbers(&fs::read_to_string(exported.path("rgb_basis.csv")).unwrap());
+    let observer = numbers(include_str!("../../../src/colour/cie_1931_2deg.csv"));
+    // D b_k, linear between the rows, which are 5 nm apart, and constant beyond them.
+    let radiance = |nm: f64| {
+        let at = ((nm - 360.0) / 5.0).clamp(0.0, basis.len() as f64 - 1.000_001);
+        let (rows, part) = (&basis[at as usize..], at.fract());
+        let value = |k: usize| rows[0][k] + part * (rows[1][k] - rows[0][k]);
+        [2, 3, 4].map(|k| value(1) * value(k))
+    };
+    for w in [0.7, 0.9, 1.0, 1.2] {
+        let mut columns = [[0.0; 3]; 3];
+        for row in &observer {
+            let of = radiance(row[0] / w);
+            for (column, of) in columns.iter_mut().zip(of) {
+                for (sum, matching) in column.iter_mut().zip(&row[1..4]) {
+                    *sum += of * matching * 1e-9 / w.powi(5);
+                }
+            }
+        }
+        let ours = RgbShift::of(Continuation::Edge).matrix(w);
+        for (k, column) in columns.into_iter().enumerate() {
+            for (j, value) in rgb_from_xyz(column).into_iter().enumerate() {
+                let error = (value - ours[j][k]).abs();
+                assert!(error < 2e-3 * w.powi(-5), "{w}: {value}, {}", ours[j][k]);
+            }
+        }
+    }
+    // Without RGB that stands for a spectrum there is nothing to tell.
+    assert!(
+        !capture(&ExportOptions::default())
+            .path("rgb_basis.csv")
+            .exists()
+    );
 }
 
 #[test]

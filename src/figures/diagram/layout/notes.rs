@@ -22,7 +22,7 @@ pub(crate) fn of(diagram: &Diagram, panels: &[Panel]) -> Vec<Note> {
         .any(|is| *is)
     {
         notes.push(Note {
-            text: "dashed light leaves the plane of the diagram: its projection".into(),
+            text: "dashed: light outside the plane of the diagram, its projection".into(),
             colour: Some(Colour::Orange),
         });
     }

@@ -92,7 +92,7 @@ pub struct RenderArguments {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Progressive rendering")]
 pub struct PassArguments {
-    /// Render passes of --spp samples until in each tile of 16 x 16 pixels the root mean square of the pixels' standard errors is
+    /// Render passes of --spp samples until in each tile of 16 x 16 pixels the root mean square of the standard errors of its pixels (in R, G and B) is
     /// at most this fraction of the tile's mean radiance, or of the picture's where that is larger: "1 %" or 0.01. Noisy tiles get
     /// more passes. The files improve with every pass; after Ctrl-C, run the same command again to resume.
     #[arg(long, value_name = "PERCENT", value_parser = values::relative_error)]

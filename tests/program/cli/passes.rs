@@ -145,7 +145,7 @@ fn tiles_that_miss_the_requested_error_are_counted_with_the_largest_error() {
             false => {
                 reached += 1;
                 assert!(
-                    said.contains("each tile of 16 × 16 pixels has reached"),
+                    said.contains("the standard error of pixels has reached"),
                     "{error}: {said}"
                 );
             }

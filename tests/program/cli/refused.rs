@@ -78,7 +78,7 @@ fn wrong_values_of_options_are_refused() {
         (&["--exposure", "150 %"], &["--exposure 150 %", "100"]),
         (
             &["--exposure", "0.99"],
-            &["--exposure 0.99", "\"99 %\" or \"0.99 %\""],
+            &["'0.99' for '--exposure", "\"99 %\" or \"0.99 %\""],
         ),
         (&["--exposure", "bright"], &["--exposure", "2.5 %"]),
         (&["--white", "-1"], &["--white -1", "above 0"]),

@@ -247,10 +247,12 @@ pulse = {{ position = [0.5, 2, 2], sigma = \"1 m\" }}
         let scene = scene(metallic, sky);
         let plan = Plan::new(&scene, &Request::default()).unwrap();
         let is_named = |notes: &[String]| {
-            let named = notes.iter().filter(|note| note.contains("only lit scenes"));
+            let named = notes
+                .iter()
+                .filter(|note| note.contains("lit only by pulses"));
             let named: Vec<_> = named.collect();
             assert!(
-                named.iter().all(|note| note.contains("light \"left\",")),
+                named.iter().all(|note| note.starts_with("\"left\" is lit")),
                 "{named:?}"
             );
             assert!(named.len() < 2, "{named:?}");

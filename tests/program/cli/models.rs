@@ -378,7 +378,10 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     let mut arguments = vec!["render", "model.gltf", "-o", "a.exr"];
     arguments.extend(SIZE);
     let said = folder.ok(&arguments);
-    assert!(!said.contains("apply only without a scene"), "{said}");
+    assert!(
+        !said.contains("shine only if it is rendered without a scene"),
+        "{said}"
+    );
     assert!(
         said.contains("the range of its light is not applied"),
         "{said}"
@@ -388,11 +391,17 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
                [[object]]\ngltf = \"model.gltf\"\n";
     folder.write("own.toml", own);
     let said = folder.ok(&["render", "own.toml", "-o", "b.exr"]);
-    assert!(said.contains("apply only without a scene"), "{said}");
+    assert!(
+        said.contains("shine only if it is rendered without a scene"),
+        "{said}"
+    );
     // Also one that has no light, which shows base colours.
     folder.write("dark.toml", own.replace("[sky]\ngradient = {}\n", ""));
     let said = folder.ok(&["render", "dark.toml", "-o", "c.exr"]);
-    assert!(said.contains("apply only without a scene"), "{said}");
+    assert!(
+        said.contains("shine only if it is rendered without a scene"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -107,7 +107,7 @@ fn a_moving_camera_sees_the_sky_of_a_warp_shifted_like_the_traced_one() {
         // As observed, whatever moves.
         (
             format!("[display]\nbackground = [1, 0.5, 0.2]\n{lamp}"),
-            0.0,
+            1e-12,
         ),
     ] {
         let stage = centred(&scene(&(fast.clone() + BODIES + &text)));

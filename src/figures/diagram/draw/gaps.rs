@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::labels::{widened, without};
-use crate::figures::drawing::{Item, Path, Stroke};
-use crate::figures::text::{Rect, Segment};
+use super::parts::{pieces, straight};
+use crate::figures::drawing::Item;
+use crate::figures::text::Rect;
 
 /// Free space around a label, points.
 const AIR: f64 = 0.6;
@@ -52,11 +53,15 @@ impl Labels {
                 fill: None,
                 stroke: Some(stroke),
             } if stroke.colour.alpha >= PALE => {
-                let points = straight(&path).unwrap_or_default();
+                let points = straight(&path.0).unwrap_or_default();
                 let gaps = self.crossed(&points);
                 match gaps.is_empty() {
                     true => vec![Item::stroked(path, stroke)],
-                    false => pieces(&points, stroke, &gaps),
+                    false => {
+                        let parts = points.windows(2);
+                        let parts = parts.flat_map(|ends| without([ends[0], ends[1]], &gaps));
+                        pieces(&points, parts, &stroke)
+                    }
                 }
             }
             other => vec![other],
@@ -86,42 +91,4 @@ impl Labels {
 /// The row of a height on the page.
 fn row(y: f64) -> i32 {
     (y / ROW).clamp(-1e6, 1e6).floor() as i32
-}
-
-/// The points of a path that consists of straight lines.
-fn straight(path: &Path) -> Option<Vec<[f64; 2]>> {
-    let point = |(i, segment): (usize, &Segment)| match *segment {
-        Segment::Move(point) if i == 0 => Some(point),
-        Segment::Line(point) if i > 0 => Some(point),
-        Segment::Move(_)
-        | Segment::Line(_)
-        | Segment::Quadratic(..)
-        | Segment::Cubic(..)
-        | Segment::Close => None,
-    };
-    path.0.iter().enumerate().map(point).collect()
-}
-
-/// The remaining parts of a line; its arrowheads stay at its ends.
-fn pieces(points: &[[f64; 2]], stroke: Stroke, gaps: &[Rect]) -> Vec<Item> {
-    // Parts that touch remain one line, so that dashes and joins continue.
-    let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
-    for ends in points.windows(2) {
-        for [from, to] in without([ends[0], ends[1]], gaps) {
-            match lines.last_mut().filter(|line| line.last() == Some(&from)) {
-                Some(line) => line.push(to),
-                None => lines.push(vec![from, to]),
-            }
-        }
-    }
-    let (first, last) = (points.first(), points.last());
-    let piece = |line: Vec<[f64; 2]>| {
-        let stroke = Stroke {
-            start: stroke.start.filter(|_| line.first() == first),
-            end: stroke.end.filter(|_| line.last() == last),
-            ..stroke.clone()
-        };
-        Item::stroked(Path::polyline(&line), stroke)
-    };
-    lines.into_iter().map(piece).collect()
 }

@@ -6,6 +6,7 @@ mod layers;
 mod legend;
 mod obstacles;
 mod page;
+mod parts;
 mod reach;
 mod solid;
 mod theme;

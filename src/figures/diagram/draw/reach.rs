@@ -2,7 +2,8 @@
 
 use super::labels::{part_within, widened};
 use super::page::Page;
-use crate::figures::drawing::{Item, Path, Stroke};
+use super::parts::{pieces, straight};
+use crate::figures::drawing::{Item, Path};
 use crate::figures::text::{Rect, Segment};
 
 /// How far from the page anything is drawn, points: beyond the width of any line, and within the largest length of TeX on pages of paper.
@@ -43,7 +44,8 @@ impl Reach {
                 };
                 match (fill, stroke) {
                     (None, Some(stroke)) if path.0.last() != Some(&Segment::Close) => {
-                        self.pieces(&corners, &stroke)
+                        let parts = corners.windows(2).filter_map(|ends| self.part_of(ends));
+                        pieces(&corners, parts, &stroke)
                     }
                     (fill, stroke) => {
                         let path = Path::polygon(&self.polygon(corners));
@@ -68,32 +70,13 @@ impl Reach {
         })
     }
 
-    /// The parts of a line; its arrowheads stay at its ends.
-    fn pieces(&self, points: &[[f64; 2]], stroke: &Stroke) -> Vec<Item> {
-        let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
-        for ends in points.windows(2) {
-            let finite = ends.iter().flatten().all(|v| v.is_finite());
-            let part = part_within(self.0, ends[0], ends[1]).filter(|_| finite);
-            // Rounding of a far end may leave the part a little outside.
-            let Some([from, to]) = part.map(|part| part.map(|p| self.clamped(p))) else {
-                continue;
-            };
-            match lines.last_mut().filter(|line| line.last() == Some(&from)) {
-                Some(line) => line.push(to),
-                None if from != to => lines.push(vec![from, to]),
-                None => {}
-            }
-        }
-        let (first, last) = (points.first(), points.last());
-        let piece = |line: Vec<[f64; 2]>| {
-            let stroke = Stroke {
-                start: stroke.start.filter(|_| line.first() == first),
-                end: stroke.end.filter(|_| line.last() == last),
-                ..stroke.clone()
-            };
-            Item::stroked(Path::polyline(&line), stroke)
-        };
-        lines.into_iter().map(piece).collect()
+    /// The part of a line between two points.
+    fn part_of(&self, ends: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
+        let is_finite = ends.iter().flatten().all(|v| v.is_finite());
+        let part = part_within(self.0, ends[0], ends[1]).filter(|_| is_finite)?;
+        // Rounding of a far end may leave the part a little outside.
+        let [from, to] = part.map(|p| self.clamped(p));
+        (from != to).then_some([from, to])
     }
 
     fn clamped(&self, p: [f64; 2]) -> [f64; 2] {
@@ -131,24 +114,18 @@ impl Reach {
     }
 }
 
-/// The corners of a path of one contour of straight lines.
+/// The corners of a path of one contour of straight lines, which may be closed.
 fn corners(path: &Path) -> Option<Vec<[f64; 2]>> {
-    let corner = |(i, segment): (usize, &Segment)| match *segment {
-        Segment::Move(p) if i == 0 => Some(p),
-        Segment::Line(p) if i > 0 => Some(p),
-        _ => None,
-    };
-    let open = match path.0.split_last() {
-        Some((Segment::Close, open)) => open,
-        _ => &path.0[..],
-    };
-    open.iter().enumerate().map(corner).collect()
+    match path.0.split_last() {
+        Some((Segment::Close, open)) => straight(open),
+        _ => straight(&path.0),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::drawing::{Arrow, Colour};
+    use crate::figures::drawing::{Arrow, Colour, Stroke};
 
     const REACH: Reach = Reach(Rect {
         min: [-10.0; 2],

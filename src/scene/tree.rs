@@ -171,10 +171,16 @@ impl<'de> Deserializer<'de> for Node<'de> {
 
     fn deserialize_tuple<V: Visitor<'de>>(
         self,
-        _: usize,
+        count: usize,
         visitor: V,
     ) -> Result<V::Value, Mismatch> {
-        self.deserialize_seq(visitor)
+        // Visitors stop after the last element that they know.
+        match self.content {
+            Content::Value(Value::Array(array)) if array.len() > count => {
+                Err(Mismatch::invalid_length(array.len(), &visitor).within(&self.span))
+            }
+            _ => self.deserialize_seq(visitor),
+        }
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mismatch> {

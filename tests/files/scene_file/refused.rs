@@ -59,6 +59,7 @@ cases! { CAMERA:
     "[64, 48]" => "[0, 48]" at "camera.size" "[0, 48]": "0 by 48", "1 to 65536";
     "[64, 48]" => "[65537, 1]" at "camera.size" "[65537, 1]": "65537 by 1", "1 to 65536";
     "[64, 48]" => "[65536, 65536]" at "camera.size" "[65536, 65536]": "4294967296 pixels", "at most 268435456";
+    "[64, 48]" => "[64, 48, \"x\"]" at "camera.size" "[64, 48, \"x\"]": "invalid length 3, expected an array of length 2", "Width and height";
     "[64, 48]" => "[-64, 48]" at "camera.size[0]" "-64": "-64 is not a whole number", "Width and height";
     "look_at = [0, 0, 0]\nhfov" => "look_at = [0, 1, 5]\nhfov" at "camera.look_at" "[0, 1, 5]": "the same point", "another point";
     HFOV => "up = [0, 1, 5]" at "camera.up" "[0, 1, 5]": "parallel", "not along the line of sight";

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::options::{CompareOptions, NotFinite, Region};
-use super::picture::{Alpha, Encoding, Picture, Plane, is_auxiliary, is_identity};
+use super::picture::{Alpha, Encoding, Picture, Plane, is_auxiliary, is_identity, is_light};
 use super::points::{OBJECT_POINT, Points, WORLD_POINT};
 use crate::error::{Error, Message, Result, Setting};
 use crate::io::image::{Channel, Layers, Samples};
@@ -65,6 +65,20 @@ pub struct Uncompared {
     pub only_reference: Vec<String>,
     /// Channels that the reference lacks.
     pub only_candidate: Vec<String>,
+}
+
+impl Uncompared {
+    /// The channels of the light that one picture lacks, if any.
+    pub(super) fn of_light(&self) -> Option<Message> {
+        let lacks = |names: &[String], who: &str| {
+            let lost = names.iter().map(String::as_str);
+            let lost: Vec<&str> = lost.filter(|name| is_light(name)).collect();
+            (!lost.is_empty()).then(|| format!("the {who} lacks {} of the light", lost.join(", ")))
+        };
+        let lacks = lacks(&self.only_reference, "candidate")
+            .or_else(|| lacks(&self.only_candidate, "reference"))?;
+        Some(Message::from(lacks) + " (choose what to compare with " + Setting::Channels + ")")
+    }
 }
 
 /// Two pictures that belong together.

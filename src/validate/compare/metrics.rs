@@ -647,15 +647,14 @@ impl<'a> Name<'a> {
                 ),
                 Err(why) => Measured::Nothing(why),
             },
-            Of::Picture(..) if self.row.needs == LIGHT && comparison.partial_light().is_some() => {
-                Measured::Nothing(comparison.partial_light()?)
-            }
             Of::Picture(value, _) => settled(value(comparison), || {
                 let is_skipped = self.row.name.starts_with("flip") && comparison.flip.is_none();
                 let has_objects = (comparison.surface.as_ref())
                     .is_some_and(|surface| surface.wrong_objects.is_some());
                 if is_skipped && comparison.radiance.is_some() {
-                    Message::from("FLIP was not computed (") + Setting::NoFlip + ")"
+                    let skipped =
+                        || Message::from("FLIP was not computed (") + Setting::NoFlip + ")";
+                    comparison.uncompared.of_light().unwrap_or_else(skipped)
                 } else if self.row.needs == OBJECTS && has_objects {
                     "the reference shows no object, or no boundary between objects".into()
                 } else {
@@ -681,10 +680,12 @@ impl<'a> Name<'a> {
     fn errors<'c>(&self, comparison: &'c Comparison) -> Option<Result<&'c Errors, Message>> {
         let empty = || Message::from("no sample is a number in both pictures");
         let Some(name) = self.channel else {
-            if let Some(why) = comparison.partial_light() {
+            // A part of the light says nothing of the rest.
+            let partial = comparison.uncompared.of_light();
+            let light = comparison.radiance.as_ref();
+            if let Some(why) = partial.filter(|_| light.is_some()) {
                 return Some(Err(why));
             }
-            let light = comparison.radiance.as_ref();
             let missing = || match comparison.channels.iter().any(|c| is_light(&c.name)) {
                 true => empty(),
                 false => self.row.lacks(),
@@ -715,25 +716,6 @@ fn settled<M: Into<Message>>(value: Option<f64>, why: impl FnOnce() -> M) -> Mea
 }
 
 impl Comparison {
-    /// Why metrics of the light would judge a part of it: one picture lacks channels of it that the other has.
-    fn partial_light(&self) -> Option<Message> {
-        if !self.channels.iter().any(|channel| is_light(&channel.name)) {
-            return None;
-        }
-        let Uncompared {
-            only_reference,
-            only_candidate,
-        } = &self.uncompared;
-        let lacks = |names: &[String], who: &str| {
-            let lost = names.iter().map(String::as_str);
-            let lost: Vec<&str> = lost.filter(|name| is_light(name)).collect();
-            (!lost.is_empty()).then(|| format!("the {who} lacks {} of the light", lost.join(", ")))
-        };
-        let lacks =
-            lacks(only_reference, "candidate").or_else(|| lacks(only_candidate, "reference"))?;
-        Some(Message::from(lacks) + " (choose what to compare with " + Setting::Channels + ")")
-    }
-
     /// The metric of this name; `None` if there is no such metric, or it could not be computed.
     pub fn metric(&self, name: &str) -> Option<f64> {
         match Name::of(name)?.found(self)? {

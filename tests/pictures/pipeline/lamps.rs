@@ -649,3 +649,25 @@ fn what_a_dielectric_mirrors_follows_from_its_index() {
     let lit = of_model(extension) / of_model("");
     assert!((lit - 9.0 / 49.0 / 0.04).abs() < 1e-9, "{lit}");
 }
+
+#[test]
+fn a_colour_on_the_spectrum_of_a_lamp_is_a_filter_that_moves_with_it() {
+    // Sampled wavelengths, which filter the light in the lamp's frame, against the table of colours.
+    for shape in ["blackbody = \"5800 K\"", "line = \"589 nm\""] {
+        let [coarse, fine] = [("rgb", 1), ("sampled", 512)].map(|(spectra, samples)| {
+            let scene = stage::scene(&format!(
+                "radiance.quantity = \"rgb\"\nrender.spectra = \"{spectra}\"\n\
+                 [camera]\neye = [0, 2, 0]\nlook_at = [0, 0, 0]\nup = [0, 0, 1]\nhfov = \"0.001 deg\"\nsize = [2, 2]\n\
+                 [[object]]\nshape = {{ plane = {{ size = [50, 50] }} }}\ncolour = [1, 1, 1]\n\
+                 [[light]]\nposition = [0, 3, 0]\nclock_zero = \"-5 m\"\nvelocity = {{ beta = [0, -0.2, 0] }}\n\
+                 intensity = [1, 0.05, 0.05]\nspectrum = {{ {shape} }}\n\
+                 [display]\nsamples_per_pixel = {samples}"
+            ));
+            stage::rendered(&scene, &stage::sampled()).unwrap().radiance()[0]
+        });
+        let most = fine.iter().fold(0.0f64, |most, c| most.max(c.abs()));
+        for (a, b) in coarse.into_iter().zip(fine) {
+            assert!((a - b).abs() < 2e-3 * most, "{shape}: {coarse:?} {fine:?}");
+        }
+    }
+}

@@ -454,3 +454,32 @@ fn a_camera_inside_glass_is_remarked_in_the_plan_and_with_pictures() {
         }
     }
 }
+
+#[test]
+fn light_that_loses_digits_at_high_speed_is_remarked() {
+    let folder = Folder::empty();
+    let scene = |gamma: &str, lamp: &str| {
+        let moves = format!("velocity = {{ gamma = {gamma}, direction = [1, 2, -3] }}");
+        let lamp = lamp.replace("MOVES", &moves);
+        format!(
+            "[camera]\neye = [0, 1, 3]\nlook_at = [0, 0, 0]\nsize = [8, 6]\n{moves}\n[render]\nbounces = 1\n\
+             [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [4, 4] }} }}\n{moves}\n\
+             [[light]]\nname = \"lamp\"\nposition = [0, 2, 0]\n{lamp}\n"
+        )
+    };
+    // γ² 2⁻⁵³ is 1e-5 at 3e5; γ² 2⁻⁴² is 1e-3 at 6.6e4. A lamp at rest keeps its digits.
+    for (gamma, lamp, light, bounces) in [
+        ("1e6", "MOVES", true, true),
+        ("1e6", "", false, true),
+        ("1e5", "MOVES", false, true),
+        ("5e4", "MOVES", false, false),
+    ] {
+        folder.write("fast.toml", scene(gamma, lamp));
+        let said = folder.ok(&["plan", "fast.toml"]);
+        // Lines of the plan are broken.
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let has = |words: &str| said.contains(words);
+        assert_eq!(has("has relative errors of 1e-4"), light, "{gamma}: {said}");
+        assert_eq!(has("light that bounces starts"), bounces, "{gamma}: {said}");
+    }
+}

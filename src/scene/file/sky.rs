@@ -87,7 +87,7 @@ pub(in crate::scene) struct Sun {
     pub direction: At<Vector>,
     /// Its irradiance on a perpendicular surface at rest in the world, at least 0: one number, or linear RGB. Default: [3.2, 3.0, 2.6].
     pub irradiance: Option<At<NumberOrVector>>,
-    /// Angular diameter, above 0 and at most 90 deg. Default: "0.533 deg".
+    /// Angular diameter, above 1e-9 rad and at most 90 deg. Default: "0.533 deg".
     pub diameter: Option<At<Angle>>,
 }
 
@@ -108,6 +108,6 @@ pub(in crate::scene) struct Stars {
     pub faintest: Option<At<Number>>,
     /// Irradiance of a star of magnitude 0; each further magnitude is 10^0.4 times fainter. Default: 2e-5.
     pub scale: Option<At<Number>>,
-    /// Angular diameter of the discs, above 0 and at most 10 deg: about a pixel. Default: "0.08 deg".
+    /// Angular diameter of the discs, above 1e-9 rad and at most 10 deg: about a pixel. Default: "0.08 deg".
     pub diameter: Option<At<Angle>>,
 }

@@ -143,6 +143,9 @@ fn random(cx: &Context, stars: &file::Stars) -> Result<Catalogue> {
     })
 }
 
+/// A disc whose angular diameter is not above this, in radians, has a solid angle below 1e-18: rounding of directions would decide about it.
+const LEAST_DIAMETER: f64 = 1e-9;
+
 /// Half of an angular diameter, radians; `default` and `largest` in degrees.
 fn radius(cx: &Context, at: &Option<At<Angle>>, default: f64, largest: f64) -> Result<f64> {
     let Some(at) = at else {
@@ -150,10 +153,12 @@ fn radius(cx: &Context, at: &Option<At<Angle>>, default: f64, largest: f64) -> R
     };
     let diameter = at.value.radians();
     // The stated maximum may have been rounded up.
-    if diameter > 1e-9 && diameter <= largest.to_radians() * (1.0 + 1e-12) {
+    if diameter > LEAST_DIAMETER && diameter <= largest.to_radians() * (1.0 + 1e-12) {
         return Ok(0.5 * diameter);
     }
     let what = format!("an angular diameter of {} is out of range", at.value);
-    let help = format!("it is above 0 and at most {largest} deg, like \"{default} deg\"");
+    let help = format!(
+        "it is above {LEAST_DIAMETER:e} rad and at most {largest} deg, like \"{default} deg\""
+    );
     Err(cx.refuse(at, what, help))
 }

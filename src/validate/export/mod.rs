@@ -15,6 +15,7 @@ mod reference;
 mod sources;
 mod vectors;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -217,7 +218,9 @@ fn filled(
     };
     files.text(DESCRIPTION, &json(&bundle)?)?;
     files.folder.finish()?;
-    warnings.retain(|what| !is_moot(scene, what));
+    // Objects that share a file share its warnings.
+    let mut said = BTreeSet::new();
+    warnings.retain(|what| !is_moot(scene, what) && said.insert(what.clone()));
     Ok(Exported { bundle, warnings })
 }
 

@@ -185,6 +185,7 @@ pub fn first_light(cube: &Cube, start: f64, width: f64, first: &FirstLight) -> V
             return centre;
         }
         let [before, own, after] = [peak - 1, peak, peak + 1].map(|bin| at(bin).ln());
+        // The vertex of the parabola through ln a at the three bins, in bins from the middle one.
         let curvature = before - 2.0 * own + after;
         let beside = 0.5 * (before - after) / curvature;
         match curvature < 0.0 && beside.abs() <= 1.0 {

@@ -70,6 +70,7 @@ impl Received {
             }
         }
         for (to, irradiance) in to.iter_mut().zip(irradiances) {
+            // A product and a select: NaN, of points without light, is not above 0 either.
             let all = irradiance * *to;
             *to = if *irradiance > 0.0 { all } else { 0.0 };
         }

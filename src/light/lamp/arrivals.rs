@@ -100,6 +100,7 @@ impl Lamp {
     pub(crate) fn arrivals(&self, points: &PointsOnRays, index: f64, to: &mut Arrivals) {
         let is_aimed = matches!(self.beam, Cone::Spot { .. });
         to.resize(points.count(), is_aimed);
+        // A strength of 0 makes every point dark, whatever the other columns hold.
         if !self.arrive(points, index, to) {
             return to.strength.fill(0.0);
         }
@@ -117,6 +118,7 @@ impl Lamp {
 
     /// Passes the light that reaches each of `points` to `to`, as if the lamp were steady and isotropic; returns whether any light arrives.
     pub(super) fn arrive(&self, points: &PointsOnRays, index: f64, to: &mut impl Taking) -> bool {
+        // Matched once: each kind of lamp has its own loop over blocks.
         match (&self.path, self.beam) {
             (Path::Rest(origin), Cone::Parallel(direction)) => {
                 arrive(&ParallelAtRest { direction, index }, *origin, points, to);
@@ -231,6 +233,7 @@ impl Ways for FromShot<'_> {
 
     #[inline(always)]
     fn at((start, index, directions, s): &Self::Block<'_>, k: usize) -> Displacement<World> {
+        // From the lamp to the shot, and from there along the past light cone: s (−η, d).
         *start + Displacement::new(-*index * s[k], directions.get(k) * s[k])
     }
 }
@@ -266,6 +269,7 @@ impl Ways for FromOwn<'_> {
 
     #[inline(always)]
     fn at((from, [events, offsets]): &Self::Block<'_>, k: usize) -> Displacement<World> {
+        // The difference of the two events first: both may be far from the world's origin.
         let event = Event::new(events.0[k], events.1.get(k));
         (event - *from) + Displacement::new(offsets.0[k], offsets.1.get(k))
     }
@@ -318,6 +322,7 @@ impl<E: Emitter, W: Ways, T: Taking> VectorLoop for Arrive<'_, E, W, T> {
     #[inline(always)]
     fn run(self) {
         let Arrive { emitter, ways, to } = self;
+        // One block on the stack for all: the compiler sees that it overlaps with nothing.
         let mut block = ArrivalsBlock::ZERO;
         let (mut last, mut buffers) = ([[0.0; BLOCK]; 2], T::BUFFERS);
         let mut begin = 0;

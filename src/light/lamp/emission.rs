@@ -165,6 +165,7 @@ impl Emission {
             true => [0.0, count - 1.0],
             false => [f64::NEG_INFINITY, f64::INFINITY],
         };
+        // The first k for which pulse k ends, at centre + k period + reach, no earlier than `from`.
         let k = ((from - reach - centre) / period).ceil().clamp(first, last);
         let middle = centre + k * period;
         self.pauses().then_some([middle - reach, middle + reach])
@@ -193,6 +194,7 @@ impl Emission {
                     .map(|n| over + f64::from(n))
                     .take_while(|k| *k <= begun);
                 let rest: f64 = rest.map(|k| normal((phase - k) * period / sigma)).sum();
+                // A pulse of height 1 has the integral √(2π) σ.
                 (over + rest) * sigma * TAU.sqrt()
             }
             Emission::Table(table) => table.until(proper_time),
@@ -363,6 +365,7 @@ fn exp_of_negative(x: f64) -> f64 {
     let k = if high > 0x3fd6_2e42 { k } else { 0.0 };
     let (hi, lo) = (x - k * LN2_HI, k * LN2_LO);
     let r = hi - lo;
+    // e^r = 1 + (r c/(2 − c) − lo + hi), with c = r − r² P(r²).
     let square = r * r;
     let c =
         r - square * (P[0] + square * (P[1] + square * (P[2] + square * (P[3] + square * P[4]))));

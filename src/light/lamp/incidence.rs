@@ -52,6 +52,7 @@ impl Incidence {
         if has_l {
             self.in_rest.resize(count);
         }
+        // Whole blocks: the loops write the last one without a test.
         let room = count.next_multiple_of(BLOCK);
         self.ratios.resize(room, 0.0);
         self.factors.resize(room, 0.0);
@@ -223,6 +224,7 @@ impl VectorLoop for Fall<'_> {
         let mut begin = 0;
         while begin < to.count {
             let [last_strength, last_fade, last_ratio, last_inverse] = &mut last;
+            // Lengths that are no multiple of a block end in a copy, padded with zeros, which give no light.
             let arriving = Arriving {
                 d: arrivals.d.block(begin),
                 strength: block_of(&arrivals.strength, begin, last_strength),
@@ -261,6 +263,7 @@ impl Taking for Falling<'_> {
         };
         self.onto.fall(begin, &arriving, buffers, self.to);
         if self.to.has_l {
+            // In a frame at rest in the world the directions are those of the arrivals.
             let l = match self.onto.boost {
                 Some(_) => &buffers.l,
                 None => &block.d,

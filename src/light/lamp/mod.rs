@@ -285,6 +285,7 @@ impl Lamp {
     #[inline]
     pub fn incident(&self, arrival: &Arrival, rho: f64, cosine: f64) -> Incident {
         let w = arrival.wavelength_ratio(rho);
+        // I cos θ_F/r_G² of a lamp with I = 1; the factor W²⁻ᵖ follows.
         let irradiance = arrival.strength * cosine * arrival.fade;
         let factor = (self.received).irradiance_at([w, arrival.inverse * rho], irradiance);
         self.incident_at(w, factor)
@@ -355,6 +356,7 @@ impl Lamp {
 
 impl Path {
     fn along(line: &WorldLine, shot: Event<World>) -> Path {
+        // Searches for crossings start from this state: points of the picture are near, and so are their crossings.
         let seen = line.on_past_light_cone_of(shot);
         let near = seen.and_then(|crossing| line.state(crossing.proper_time()));
         match near.or_else(|| line.state(0.0)) {
@@ -368,6 +370,7 @@ impl Path {
 /// The attenuation by the cone of a spot light along `d` of the lamp's frame.
 #[inline(always)]
 fn within_cone(axis: DVec3, [outer, inner]: [f64; 2], d: DVec3) -> f64 {
+    // d points to the lamp, so its light goes along −d. The square of a ramp in the cosine (KHR_lights_punctual).
     let part = ((-axis.dot(d) - outer) / (inner - outer)).clamp(0.0, 1.0);
     part * part
 }
@@ -627,6 +630,7 @@ impl<'a> ParallelInertial<'a> {
 impl Emitter for ParallelInertial<'_> {
     #[inline(always)]
     fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
+        // The phase is that of the lamp's own frame; direction and frequencies are the same everywhere.
         let way = self.frame.frame_from_world().displacement(way);
         let (d, world) = self.in_world;
         let arrival = Arrival {

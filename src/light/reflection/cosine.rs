@@ -11,6 +11,7 @@ use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load};
 pub(in crate::light) fn by_cosine(n: DVec3, [x, y]: [f64; 2]) -> DVec3 {
     let (tangent, bitangent) = n.any_orthonormal_pair();
     let (sine, cosine) = sine_and_cosine_of_turn(y);
+    // Uniform in the unit disc, then lifted to the sphere (Malley): the height is √(1 − x).
     let (radius, rest) = (x.sqrt(), 1.0 - x);
     let height = if rest > 0.0 { rest } else { 0.0 };
     tangent * (radius * cosine) + bitangent * (radius * sine) + n * height.sqrt()

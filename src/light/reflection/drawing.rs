@@ -53,6 +53,7 @@ impl Reflection {
         let t2 = stretched.cross(t1);
         let (radius, angle) = (x.sqrt(), TAU * y);
         let p1 = radius * libm::cos(angle);
+        // In that view the hemisphere covers half of the disc and, foreshortened, part of the other half: p₂ is squeezed into it.
         let lift = 0.5 * (1.0 + stretched.z);
         let p2 = (1.0 - lift) * (1.0 - p1 * p1).max(0.0).sqrt() + lift * radius * libm::sin(angle);
         let rest = (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt();
@@ -133,6 +134,7 @@ impl Reflection {
                 index: self.near,
             });
         }
+        // Weighted with the density of all lobes together, whichever of them sampled l.
         let (cosine, density) = (self.normal.dot(l), self.density(l));
         let is_drawn = cosine > 0.0 && density > 0.0 && self.is_open(l);
         is_drawn.then(|| Scattered {
@@ -209,6 +211,7 @@ impl Reflection {
         };
         let weight = schlick(self.facing);
         if let Some(glass) = &self.through {
+            // Glass is a mirror for all samples if it reflects totally, or if nothing is transmitted or diffuse.
             let rest = mean(self.diffuse) + mean(glass.colour);
             return match glass.l.is_some() && rest > 0.0 {
                 true => chance_of_mirror(glass.reflected),

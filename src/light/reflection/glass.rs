@@ -61,6 +61,7 @@ impl Through {
         let ratio = if solid { near / far } else { 1.0 };
         let (mut reflected, cosine) = fresnel(facing.min(1.0), far / near);
         if !solid {
+            // Two faces, with all reflections between them.
             reflected = 2.0 * reflected / (1.0 + reflected);
         }
         let refracted = |cosine: f64| normal * (ratio * facing - cosine) - view * ratio;
@@ -90,11 +91,13 @@ pub(super) fn chance_of_mirror(reflected: f64) -> f64 {
 /// reflection.
 #[inline]
 fn fresnel(cosine: f64, ratio: f64) -> (f64, Option<f64>) {
+    // cos² θ₂ by Snell's law: 0 at the critical angle, negative beyond it.
     let within = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
     if within <= 0.0 {
         return (1.0, None);
     }
     let within = within.sqrt();
+    // Amplitudes perpendicular and parallel to the plane of incidence; unpolarized light has half its power in each.
     let s = (cosine - ratio * within) / (cosine + ratio * within);
     let p = (ratio * cosine - within) / (ratio * cosine + within);
     (0.5 * (s * s + p * p), Some(within))

@@ -149,6 +149,7 @@ impl Glosses {
         self.colours.fill(BLOCK, DVec3::from_array(colour));
         self.metallic.resize(BLOCK, metallic);
         self.roughness.resize(BLOCK, roughness);
+        // `resize` sets only elements that were missing.
         self.metallic.fill(metallic);
         self.roughness.fill(roughness);
     }

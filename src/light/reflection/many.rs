@@ -41,6 +41,7 @@ impl VectorLoop for Values<'_> {
             let (mut normals, mut views, mut l) = (Vectors::ZERO, Vectors::ZERO, Vectors::ZERO);
             let (mut diffuse, mut specular) = (Vectors::ZERO, Vectors::ZERO);
             let (mut facing, mut alpha) = ([1.0; BLOCK], [1.0; BLOCK]);
+            // By component: points have records of their own, which a vector loop cannot read.
             for (k, point) in chosen.iter().enumerate() {
                 let of = &self.reflections[*point as usize];
                 normals.set(k, of.normal);

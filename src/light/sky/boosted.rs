@@ -241,6 +241,7 @@ impl BoostedSky {
     #[inline]
     fn tabulated(&self, n: DVec3) -> [f64; 3] {
         let (face, [x, y]) = on_cube(n);
+        // −1 to 1 is 0 to STEPS: the node before x and the rest. x = 1 belongs to the last step, so that the next node exists.
         let at = |x: f64| {
             let x = 0.5 * (x + 1.0) * STEPS as f64;
             let first = (x as usize).min(STEPS - 1);
@@ -424,6 +425,7 @@ impl BoostedSky {
     #[inline]
     fn in_a_block(&self, x: f64, y: f64) -> DVec3 {
         let last = self.cumulative.len() - 1;
+        // The block whose part of the distribution contains x; within that part x is uniform again.
         let block = self.cumulative.partition_point(|sum| *sum <= x).min(last);
         let share = self.share(block);
         let rest = (x - (self.cumulative[block] - share)) / share.max(f64::MIN_POSITIVE);
@@ -462,6 +464,7 @@ fn beams(
         for texel in grid.texels(block) {
             let (in_rest, rho) = boost.direction(Direction::from_unit(grid.middle(texel)));
             let (w, solid_angle) = (1.0 / rho, grid.solid_angle(texel));
+            // dE = W²⁻ᵖ L dω; light with a spectrum has its colour at W times W² dω.
             let flux = received.irradiance(w, grid.radiance(texel), solid_angle);
             sent.add(flux, in_rest.unit());
             if let Some(table) = table {
@@ -486,6 +489,7 @@ fn stars(
     };
     let mut blocks = vec![Moment::default(); BLOCKS];
     for star in map.stars() {
+        // E = W²⁻ᵖ times that at rest, or W² Ω B(λ; T/W) for blackbodies.
         let (in_rest, rho) = boost.direction(Direction::from_unit(star.direction));
         let w = 1.0 / rho;
         let flux = match sky.thermal_stars {
@@ -513,6 +517,7 @@ impl VectorLoop for Illumination<'_> {
             [normals[0][k], normals[1][k], normals[2][k]] = n.to_array();
         }
         let mut sums = [[0.0; TOGETHER]; 3];
+        // Beam by beam in the given order, so that each sum has the bits of `Beam::add_to`.
         for beam in self.beams {
             let [x, y, z] = beam.in_rest.to_array();
             let mut cosines = [0.0; TOGETHER];

@@ -68,6 +68,7 @@ impl Cap {
             true => (motion, ratio),
             false => (Motion::REST, 1.0),
         };
+        // q = sin² ρ/sin² R, by the widths in the world.
         let q = (own / sine) * (own / sine);
         Cap {
             d,
@@ -81,6 +82,7 @@ impl Cap {
     /// The axis and the bound of the cap of the world that the head of `stars` derives, s·axis > bound.
     pub fn in_world(&self) -> (DVec3, f64) {
         let square = self.sine * self.sine;
+        // C² = 2 (1 − cos R), without a difference of nearly equal numbers.
         let chord = 2.0 * square / (1.0 + (1.0 - square).sqrt());
         let motion = &self.motion;
         let axis = 2.0 * self.ratio * self.d + motion.n * (motion.sinh * chord);
@@ -90,6 +92,7 @@ impl Cap {
     /// L/E of a disc around the direction `middle`, and W_d/W_s.
     #[inline(always)]
     pub fn density(&self, middle: DVec3) -> [f64; 2] {
+        // W_d/W_s; with c the chord in the world C² = c² W_d W_s, and sin² θ = C² (1 − C²/4).
         let x = self.ratio * self.motion.inverse_ratio(middle);
         let chord = (middle - self.d).length_squared() * (self.ratio * self.ratio / x);
         let square = self.sine * self.sine;

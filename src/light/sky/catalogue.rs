@@ -49,6 +49,7 @@ fn random(scale: f64, key: u64, faintest: f64) -> Star {
         let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         (((x ^ (x >> 31)) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
     };
+    // Uniform in height and longitude, and so in solid angle.
     let height = 2.0 * number(0) - 1.0;
     let (sine, cosine) = libm::sincos(std::f64::consts::TAU * number(1));
     let across = (1.0 - height * height).sqrt();

@@ -56,6 +56,7 @@ impl EvenSky {
         let (begin, end) = (-BEYOND, (rapidity + BEYOND).min(FARTHEST));
         let steps = ((end - begin) * FINENESS).ceil() as u32;
         let ring = |k: u32| {
+            // L_F dω_F of a ring, per radian of φ: equal steps dy = 1/FINENESS.
             let y = begin + f64::from(k) / FINENESS;
             let cosh = libm::cosh(y);
             let w = libm::cosh(y - rapidity) / cosh;
@@ -114,6 +115,7 @@ fn irradiance(rings: &[Ring], angle: f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for ring in rings {
         let (a, b) = (cosine * ring.cosine, sine.abs() * ring.sine);
+        // K: all of the ring is above the horizon, or nothing, or the arc |φ| < φ₀.
         let around = if a >= b {
             TAU * a
         } else if a <= -b {

@@ -59,6 +59,7 @@ impl Rectangle {
             |k: usize| near[k] > 0.0 && near[k] >= far[(k + 1) % 3] && near[k] >= far[(k + 2) % 3];
         let axis = (0..3).find(|k| is_longest(*k))?;
         let (near, far) = (near[axis], far[axis]);
+        // A quotient below 0 is least over the smallest depth, one above 0 over the largest; greatest, the other way round.
         let side = |k: usize| {
             let (low, high) = (low[k % 3], high[k % 3]);
             [

@@ -165,6 +165,7 @@ impl LightGrid {
         let [row, column] = self.place(index);
         let longitude = TAU * ((column as f64 + x) / (AROUND * self.side) as f64 - 0.5);
         let (upper, lower) = (self.heights[row], self.heights[row + 1]);
+        // Areas on the sphere are Δφ Δy: uniform in height is uniform in solid angle.
         let height = upper + (lower - upper) * y;
         let across = (1.0 - height * height).max(0.0).sqrt();
         let (sine, cosine) = libm::sincos(longitude);

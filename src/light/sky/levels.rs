@@ -98,6 +98,7 @@ impl Level {
         };
         let square = |place: &Place| squares.cell(place.direction);
         let mut order: Vec<_> = places.iter().map(square).zip(0u32..).collect();
+        // Squares with indices are all different: the order is the same for any kind of sort.
         order.sort_unstable();
         let (mut families, mut near) = (Vec::new(), Vec::new());
         let (mut members, mut parts) = (Vec::new(), Vec::new());
@@ -229,6 +230,7 @@ impl Sums {
     pub fn add(&mut self, part: &Part, times: f64, ratio: f64) {
         if part.luminance > 0.0 {
             let step = part.step % STEPS;
+            // Sums are not cleared one by one: without its bit, a step holds old numbers.
             let before = match self.some >> step & 1 == 1 {
                 true => [
                     self.luminance[step],

@@ -163,6 +163,7 @@ impl Panorama {
     #[inline]
     pub fn radiance(&self, d: DVec3, angle: f64) -> [f64; 3] {
         let place = place(self.turn, d.as_vec3().to_array());
+        // Each halving doubles the width of texels: log₂ of the pixel's width in texels of the largest size.
         let halvings = logarithm(angle as f32 * self.texels_per_angle());
         let halvings = lesser(halvings, self.last());
         let (size, weight) = whole_and_rest(halvings);
@@ -208,6 +209,7 @@ impl Panorama {
 impl Sizes {
     #[inline(always)]
     fn get(&self, size: u32) -> Size {
+        // A power of 2: the remainder is a mask, after which the index needs no check.
         let size = size as usize % MOST;
         Size {
             width: self.widths[size],
@@ -242,8 +244,10 @@ impl Size {
         } = self;
         let (x, y) = (u * width - 0.5, v * height - 0.5);
         let (left, top) = (x.floor(), y.floor());
+        // Left of the first column is the last, whose right neighbour is the copy at the end of the row.
         let column = if left < 0.0 { width - 1.0 } else { left };
         let column = integer(lesser(column, width - 1.0));
+        // Beyond a pole the outermost row goes on.
         let row = |i: f32| integer(lesser(greater(i, 0.0), height - 1.0));
         let first = |row: u32| begin + row * (integer(width) + 1) + column;
         Taps {
@@ -424,6 +428,7 @@ impl VectorLoop for LookUp<'_> {
                 }
             }
             for (width, ratio) in widths.iter_mut().zip(ratios) {
+                // Of the world, a pixel sees a/W.
                 *width = (angle / *ratio) as f32;
             }
             // Positions of a block in vectors.
@@ -446,6 +451,7 @@ impl VectorLoop for LookUp<'_> {
 fn row<'a>(directions: &'a [DVec3], rays: &[u32]) -> Option<&'a [DVec3; BLOCK]> {
     let rays: &[u32; BLOCK] = rays.first_chunk()?;
     let first = rays[0];
+    // Without early exit, so that the loop is vectorized.
     let mut differences = 0;
     for (k, ray) in rays.iter().enumerate() {
         differences |= ray ^ first.wrapping_add(k as u32);
@@ -521,6 +527,7 @@ fn shares(from: usize, to: usize, measure: impl Fn(usize) -> f64) -> Vec<Vec<(us
 pub(super) fn arctan(y: f64, x: f64) -> f64 {
     let (a, b) = (x.abs(), y.abs());
     let (small, large) = if a < b { (a, b) } else { (b, a) };
+    // The first octant; the others follow by reflection at the diagonal and at both axes.
     let t = small / large.max(f64::MIN_POSITIVE);
     let s = t * t;
     let series = 1.0

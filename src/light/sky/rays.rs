@@ -76,6 +76,7 @@ impl<'a> Rays<'a> {
             columns,
             bounds: &mut bounds,
         };
+        // For a few rays the call of a loop with wider vectors costs more than it saves.
         match self.len() > FEW {
             true => dispatch(extremes),
             false => extremes.run(),
@@ -111,6 +112,7 @@ impl Bounds {
     pub fn is_near(&self, place: DVec3, distance: f64) -> bool {
         let mut square = 0.0;
         for (axis, x) in place.to_array().into_iter().enumerate() {
+            // The distance from the box along this axis; 0 within it.
             let beyond = (self.low[axis] - x).max(x - self.high[axis]).max(0.0);
             square += beyond * beyond;
         }
@@ -142,6 +144,7 @@ fn extreme<const GREATEST: bool>(numbers: &[f64]) -> f64 {
     } else {
         f64::INFINITY
     };
+    // Independent lanes: no comparison waits for the one before, and each chunk is one or two vectors.
     let mut lanes = [start; FEW];
     let (chunks, rest) = numbers.as_chunks::<FEW>();
     for chunk in chunks {

@@ -243,6 +243,7 @@ impl StarMap {
         // Discs are widest where W is smallest.
         let reaches = [least, greatest].map(|w| reach(self.sine, rays.pixel / w));
         let levels = reaches.map(|reach| (reach > self.sine).then(|| self.level_of(reach)));
+        // All rays have to look into one face, and see one level, or all of them discs of their true size.
         let Some(at) =
             Rectangle::of([x, y, z], [far_x, far_y, far_z]).filter(|_| levels[0] == levels[1])
         else {
@@ -405,6 +406,7 @@ impl StarMap {
                 }
             }
         }
+        // Bit k for ray k: a block has 64 rays.
         while seen != 0 {
             let k = seen.trailing_zeros() as usize;
             seen &= seen - 1;
@@ -424,6 +426,7 @@ impl StarMap {
     /// The largest sin R of a level.
     #[inline(always)]
     fn reach_of(&self, level: usize) -> f64 {
+        // Half of the width for each finer level: one less in the exponent.
         let halvings = (self.levels.len() - 1 - level) as u64;
         f64::from_bits(WIDEST.to_bits() - (halvings << 52))
     }

@@ -146,6 +146,7 @@ impl VectorLoop for Approach<'_> {
             return;
         };
         let (x, y, z): (Block, Block, Block) = (x, y, z);
+        // Eighths past the last ray hold old directions: they see nothing.
         let all = u64::MAX >> (u64::BITS - eighths as u32);
         for (candidate, near) in self.candidates.iter().zip(self.near) {
             let (middle, most) = (candidate.middle, candidate.farthest * candidate.farthest);
@@ -183,6 +184,7 @@ impl<const OWN: bool> VectorLoop for Widen<'_, OWN> {
             let [x, y, z] = to.directions.map(|axis| axis[eighth]);
             let ratios = lanes(rays.ratios, begin);
             for lane in 0..LANES {
+                // sin² R = (1.4 a/W)² − 0.36 sin² ρ, and q² and the densities that follow from it.
                 let point = reach * rays.pixel / ratios[lane];
                 let square = point * point - less * square_of_sine;
                 let inverse = 1.0 / square;
@@ -194,6 +196,7 @@ impl<const OWN: bool> VectorLoop for Widen<'_, OWN> {
                 to.inverses[eighth][lane] = inverse;
                 to.densities[eighth][lane] = 5.0 * (inverse * FRAC_1_PI - even);
                 to.evens[eighth][lane] = even;
+                // 0 up to half of the level's largest sin R, and 1 at that.
                 let way = twice * square.sqrt() - 1.0;
                 to.ways[eighth][lane] = if way > 0.0 { way } else { 0.0 };
                 let d = DVec3::new(x[lane], y[lane], z[lane]);
@@ -353,6 +356,7 @@ impl Tally {
     }
 
     fn add_family(&mut self, level: &Level, rays: &Rays, near: u64, family: &Family) {
+        // Profiles depend on the rays and the level only: each eighth needs them once for all families.
         let new = near & !self.widened;
         if new != 0 {
             self.widened |= new;

@@ -250,6 +250,7 @@ impl Timeline {
     #[cold]
     fn folded(&self, first: i64, run: &[f64]) -> BinWeights {
         let last = self.bins as i64 - 1;
+        // The slot of a bin is counted from the first existing bin of the run, so slots are below the length of the run.
         let start = first.clamp(0, last);
         let mut folded = BinWeights {
             first: start as usize,

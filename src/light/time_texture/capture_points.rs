@@ -338,6 +338,7 @@ impl LocatedBlock {
                     words[7][k],
                 ]);
                 let (place, normal) = (widened(seen.position), widened(seen.normal));
+                // A distance of 0 stands for a pixel that saw nothing, and for pixels that are skipped.
                 *saw = (seen.distance > 0.0) & self.aim(k).is_of(place, normal);
                 self.delays[tap][k] = capture.delay_from(&seen);
             }

@@ -193,6 +193,7 @@ fn sum<S: Sample, R: Reads, const C: usize, const N: usize>(
     factor: f64,
 ) -> [f64; 4] {
     // Four lanes, which fill a vector: with three channels the fourth is meaningless.
+    // One number more: with three channels the fourth lane of the last bin reads one past the samples.
     let values = &values[..4 * N * C + 1];
     let mut sum = [0.0; 4];
     let mut tap = 0;

@@ -83,6 +83,7 @@ impl PrefixSums {
             for channel in 0..channels {
                 let mut running = [0.0; 2];
                 for block in 0..blocks {
+                    // Before the block's own bins are added.
                     sums[block * channels + channel] = running;
                     for bin in block * BLOCK..((block + 1) * BLOCK).min(bins) {
                         let sample = cube.samples.get(first + bin * channels + channel);
@@ -190,6 +191,7 @@ impl Timeline {
 
     /// The same as [`Timeline::read`] for a short range.
     fn read_short(&self, filter: TimeFilter, low: f64, high: f64, span: &mut Span) {
+        // The nearest filter is constant on both sides of a bin's edge; with all others the second part is empty.
         let (edge, way) = match filter {
             TimeFilter::Nearest => ((low.floor() + 1.0).min(high), 0.0),
             _ => (high, 0.5),
@@ -212,6 +214,7 @@ impl Timeline {
             true => (first..last + 1, 0..0),
             false => (first..full.start, full.end..last + 1),
         };
+        // Only at these bins is the difference of Φ neither 0 nor 1.
         for k in before.chain(after) {
             let centre = k as f64 + 0.5;
             let weight = integral(filter, high - centre) - integral(filter, low - centre);
@@ -338,6 +341,7 @@ impl Span {
         let ends = self.ends[..self.count].iter();
         let at_ends: f64 = ends.map(|(bin, weight)| weight * value(*bin)).sum();
         let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);
+        // Whole blocks by prefix sums, and the full bins before and after them one by one.
         let full = match sums {
             Some(sums) if first < last => {
                 direct(self.full.start..first * BLOCK)

@@ -80,6 +80,7 @@ impl Accelerated {
             exposure,
             aberration,
         };
+        // An instant has one state for all rays; without a sensor, exposures under constant acceleration have a closed form.
         if exposure.duration == 0.0 {
             camera.instant = camera.placed(0.0);
         } else if camera.sensor.is_none() {
@@ -221,6 +222,7 @@ impl Accelerated {
             let seen = film.direction(at[0], at[1]);
             return Some(camera.element_ray(seen, Displacement::new(0.0, DVec3::ZERO)));
         };
+        // Closed form while the acceleration is constant; if the crossing lies elsewhere, it is searched on the whole world line.
         let near = camera.vicinity.as_ref().and_then(|vicinity| {
             let (ray, is_seen) = match sensor.assembly {
                 Assembly::Bell => camera.nearby_ship(vicinity, element(film, sensor, at)),
@@ -478,6 +480,7 @@ impl SimpleRays for Moments<'_> {
         let mut ratios = [0.0; BLOCK];
         for k in 0..BLOCK {
             let time = time + moments[k] * exposure.duration;
+            // To the anchor's frame, and from there to the world: the ratios of both steps multiply.
             let (d, ratio) = anchor.turned(time, Direction::from_unit(to.d.get(k)));
             to.d.set(k, d.unit());
             ratios[k] = ratio;
@@ -512,6 +515,7 @@ impl SimpleRays for Body<'_> {
             let (seen, own, is_seen) = passage_on_body(&vicinity, element);
             to.d.set(k, seen.unit());
             to.set_place(k, own);
+            // Elements whose light crossed elsewhere are left to `ray_through`.
             to.set_simple(k, is_seen);
         }
         to.look(&self.placed.world_from_camera, self.camera.aberration);
@@ -538,11 +542,13 @@ impl SimpleRays for Ships<'_> {
         let boost = *self.placed.state.frame().frame_from_world();
         for k in 0..BLOCK {
             let element = element(film, &sensor, [x[k], y[k]]);
+            // Where the light of the element crossed the pinhole's world line, in the comoving frame.
             let (own, crosses) = passage_of_ship(&boost, &vicinity, element);
             to.set_place(k, own);
             to.set_simple(k, crosses);
         }
         for k in 0..BLOCK {
+            // The element is fixed relative to the pinhole in the world, so the direction is computed there.
             let from = vicinity.in_world(to.place(k));
             let (d, is_usual) = along_usual::<World>(from.x - element(film, &sensor, [x[k], y[k]]));
             to.d.set(k, d.unit());
@@ -551,6 +557,7 @@ impl SimpleRays for Ships<'_> {
         }
         let (moved, aberration) = (self.placed.moved, self.camera.aberration);
         for k in 0..BLOCK {
+            // ω_camera/ω_world, the inverse of W.
             let (seen, ratio) = boost.direction(Direction::from_unit(to.d.get(k)));
             to.ratio[k] = 1.0 / ratio;
             if !aberration {

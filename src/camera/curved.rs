@@ -182,6 +182,7 @@ impl Fisheye {
     /// A fisheye with unit axes right, up and forward, a horizontal field of view in radians (up to 2π; π where
     /// it is orthographic), and `size` in columns and rows.
     pub fn new(radial: Radial, axes: [DVec3; 3], horizontal_fov: f64, size: [f64; 2]) -> Self {
+        // Half of the field of view is at half of the width.
         let focal = 0.5 * size[0] / radial.distance(0.5 * horizontal_fov);
         let film = AngularFilm { axes, size, focal };
         Fisheye { radial, film }
@@ -191,6 +192,7 @@ impl Fisheye {
     #[inline(always)]
     fn seen_place(&self, x: f64, y: f64) -> [f64; 2] {
         let [a, b] = self.film.place(x, y);
+        // Selected without a branch: loops over film points vectorize.
         let is_beyond = a * a + b * b > self.radial.limit();
         [
             if is_beyond { 0.0 } else { a },
@@ -242,6 +244,7 @@ impl Projection for Fisheye {
         to: &mut [Block; 3],
         lengths: &mut Block,
     ) {
+        // Right and up in units of F, then by s to the components of a unit vector.
         let [a, b, along] = &mut *to;
         let (mut squares, mut across) = ([0.0; BLOCK], [0.0; BLOCK]);
         for k in 0..BLOCK {
@@ -357,6 +360,7 @@ impl Projection for Equirectangular {
     fn components(&self, x: f64, y: f64) -> DVec3 {
         let [longitude, latitude] = self.seen_place(x, y);
         let (sin, cos) = libm::sincos(longitude);
+        // sin φ up, and cos φ in the horizontal plane.
         let (up, level) = libm::sincos(latitude);
         DVec3::new(level * sin, up, level * cos)
     }

@@ -134,6 +134,7 @@ impl Camera {
 }
 
 fn angle(a: DVec3, b: DVec3) -> f64 {
+    // Accurate at all angles, which acos is not near 0 and π.
     libm::atan2(a.cross(b).length(), a.dot(b))
 }
 

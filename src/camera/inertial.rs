@@ -60,6 +60,7 @@ impl ExposureTime {
             duration: shutter.duration,
             weight: match shutter.records {
                 Records::Mean => 1.0,
+                // Energy is the mean radiance times the duration.
                 Records::Energy => shutter.duration,
             },
         }
@@ -152,6 +153,7 @@ impl SimpleRays for Inertial {
         let mut lengths = [0.0; BLOCK];
         film.directions_and_lengths([x, y], to.d.axes_mut(), &mut lengths);
         for k in 0..BLOCK {
+            // t − f |D|, kept in `ct` until it multiplies the four-velocity below.
             to.ct[k] = moments[k] * duration - focal_length * lengths[k];
         }
         to.look(&self.world_from_camera, self.aberration);

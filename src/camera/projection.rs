@@ -157,6 +157,7 @@ impl Perspective {
 
     pub(super) fn stretched(&self, stretch: f64) -> Self {
         Perspective {
+            // At distance 1 the film's half width is tan(hfov/2), which is inversely proportional to the focal length.
             edges: self.edges.map(|edge| edge / stretch),
             focal: self.focal * stretch,
             ..self.clone()

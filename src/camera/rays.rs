@@ -86,6 +86,7 @@ impl RaySlices<'_> {
                     d.set(k, in_world.unit());
                 }
             }
+            // Without a boost they are all still 1.
             store(&ratios, self.ratios, begin);
             for (k, direction) in directions.iter_mut().enumerate() {
                 *direction = d.get(k);

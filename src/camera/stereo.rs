@@ -40,6 +40,7 @@ impl Stereo {
         let world_from_camera = shot.frame.world_from_frame();
         Stereo {
             eye: Inertial::new(model, shot, aberration),
+            // The projection is that of one eye, half as wide as the picture.
             half: shot.projection.size()[0],
             offset: match distance > 0.0 {
                 true => world_from_camera.displacement(offset),

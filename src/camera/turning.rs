@@ -193,6 +193,7 @@ impl Turning {
 /// An element at r whose look direction is `towards`, of any length, at camera time `t` after the shot.
 #[inline(always)]
 fn exact(r: DVec3, v: DVec3, towards: DVec3, t: f64) -> Element {
+    // Light from l has γ_v (1 + v·l) times the camera's frequency for the element.
     let l = towards.normalize();
     Element {
         v,
@@ -222,6 +223,7 @@ fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f
 #[inline(always)]
 fn gamma(v: DVec3) -> f64 {
     let speed = v.length();
+    // As a product, 1 − v² keeps its digits near the speed of light.
     1.0 / ((1.0 - speed) * (1.0 + speed)).sqrt()
 }
 
@@ -310,6 +312,7 @@ impl View for Turning {
 
     #[inline(always)]
     fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
+        // Only exact elements at one moment share their rotation matrix, and have a loop over blocks.
         let kind = (&self.elements, &self.equations, &self.instant);
         match kind {
             (Elements::Exact, Equations::Exact, Some(turn)) if self.focal_length > 0.0 => {

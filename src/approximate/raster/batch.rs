@@ -104,6 +104,7 @@ struct Edges([DVec3; 3]);
 impl Edges {
     fn of([a, b, c]: [DVec3; 3]) -> Self {
         let e = [b.cross(c), c.cross(a), a.cross(b)];
+        // D = h₀·e₀ has the sign of the orientation: with it all functions are positive inside, seen from either side.
         let sign = a.dot(e[0]).signum();
         Edges(e.map(|e| e * sign))
     }
@@ -209,6 +210,7 @@ impl TileBatches {
         }
         let mut next = starts.clone();
         let mut sorted = vec![0; starts.last().map_or(0, |all| *all as usize)];
+        // As for triangles: by counting, so that the batches of a tile stay in order.
         for (batch, tile) in reached(batches) {
             let place = &mut next[tile as usize];
             sorted[*place as usize] = batch;

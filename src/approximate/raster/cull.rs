@@ -303,6 +303,7 @@ impl Frustum {
     /// Whether a point is seen on the film.
     fn is_inside(&self, h: DVec3) -> bool {
         let [width, height] = self.size;
+        // Times z, without a division. Behind the camera z < 0, and no x z is between 0 and width z.
         (h.x >= 0.0) & (h.x <= width * h.z) & (h.y >= 0.0) & (h.y <= height * h.z)
     }
 
@@ -324,6 +325,7 @@ impl Frustum {
     /// The part of the triangle that is seen on the film, as a polygon (Sutherland & Hodgman 1974).
     fn clipped(&self, film: [DVec3; 3]) -> Vec<DVec3> {
         let [width, height] = self.size;
+        // 0 ≤ x ≤ width and 0 ≤ y ≤ height, times z: for example width z − x z ≥ 0.
         let planes = [
             DVec3::new(1.0, 0.0, 0.0),
             DVec3::new(-1.0, 0.0, width),
@@ -342,6 +344,7 @@ fn clip(polygon: &[DVec3], plane: DVec3) -> Vec<DVec3> {
     let mut inside = Vec::with_capacity(polygon.len() + 1);
     for (at, b) in polygon.iter().enumerate() {
         let a = polygon[(at + polygon.len() - 1) % polygon.len()];
+        // Where the edge from a to b crosses the plane, its point there; then b, if it is inside.
         let (before, after) = (plane.dot(a), plane.dot(*b));
         if (before < 0.0) != (after < 0.0) {
             inside.push(a + (*b - a) * (before / (before - after)));

@@ -389,6 +389,7 @@ impl<'a> BatchBuilder<'a> {
             return *known;
         }
         let ends = [self.place(a), self.place(b)];
+        // By coordinates: batches number the same points differently, and must cut a common edge at the same place.
         let [from, to] = match ends[0].to_array() <= ends[1].to_array() {
             true => ends,
             false => [ends[1], ends[0]],

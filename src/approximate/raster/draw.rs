@@ -82,6 +82,7 @@ impl Strip {
 
     /// The number of rows of a strip whose pixels have `each` samples.
     fn height(each: u32) -> u32 {
+        // Rows are never split, however many samples their pixels have.
         (Strip::SAMPLES / (TILE * each.max(1))).max(1)
     }
 
@@ -578,6 +579,7 @@ impl<P> Stage<'_, P> {
             ..
         } = buffers;
         let scene = self.scene;
+        // Without rays of their own, samples have their camera rays.
         let (directions, ratios) = match rays.directions.as_slice() {
             [] => (&camera_rays.directions, &camera_rays.ratios),
             _ => (&rays.directions, &rays.ratios),

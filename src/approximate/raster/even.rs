@@ -139,6 +139,7 @@ impl<'a> Even<'a> {
         let batch = &self.triangles.batches[triangle.batch as usize];
         let rest = &self.triangles.frames[batch.frame as usize];
         let first = self.firsts[batch.frame as usize];
+        // The usual case needs neither the search nor the test of the side.
         if let [only] = rest.patches.as_slice()
             && !only.black_back
         {
@@ -257,6 +258,7 @@ impl Painter for Even<'_> {
         let mut begin = 0;
         for run in &mut *runs {
             let own = begin..begin + run.samples as usize;
+            // W of a run begin at its first sample, or at the end of what other runs have appended.
             run.at = if all_have_ratios { begin } else { x.len() } as u32;
             begin = own.end;
             if has_ratios(run) && !all_have_ratios {
@@ -269,6 +271,7 @@ impl Painter for Even<'_> {
             patch.has_ratios.then_some((patch.frame, run.at as usize))
         });
         let mut next = frames.next();
+        // Runs of one frame that follow each other have their W computed together.
         while let Some((frame, begin)) = next {
             next = frames.find(|(other, _)| *other != frame);
             let end = next.map_or(x.len(), |(_, begin)| begin);
@@ -385,6 +388,7 @@ impl VectorLoop for AddUp<'_> {
         let each = self.strip.each;
         let (mut pixel, mut left) = (self.strip.pixel(0), each);
         let end = pixel + self.strip.rows.pixels();
+        // Four lanes fill a vector; the fourth adds zeros.
         let mut sum = wide(*self.film.sum_mut(pixel));
         for run in self.runs {
             let (colour, factors) = match self.even.patches.get(run.patch as usize) {

@@ -99,6 +99,7 @@ impl VectorLoop for Bend<'_> {
         } = self.edges;
         let mut any = 0;
         for (edge, squares) in needed.iter_mut().enumerate() {
+            // The ends of the edge opposite to this corner.
             let (from, to) = ((edge + 1) % 3, (edge + 2) % 3);
             for at in 0..LOT {
                 let a = DVec3::new(c[from][0][at], c[from][1][at], c[from][2][at]);

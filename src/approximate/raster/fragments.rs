@@ -220,6 +220,7 @@ impl Fragments {
                 };
                 let p = DVec3::new(self.x[ray], self.y[ray], 1.0);
                 let p = p * (1.0 / surface.sum.dot(p));
+                // With the λ of the head of `raster`: linear functions of the film point over Σ eᵢ·p.
                 let [time, w] = known.map(|value| value.dot(p));
                 let rest = &all.frames[frame as usize];
                 // The point on the triangle relative to the camera, at the interpolated time instead of its retarded one.
@@ -271,6 +272,7 @@ impl VectorLoop for Interpolate<'_> {
                     true => self.lanes::<{ 2 * LANES }>(surface, begin),
                     false => self.lanes::<LANES>(surface, begin),
                 }
+                // A short rest was the last of the run, so the step is the same for both.
                 begin += 2 * LANES;
             }
         }

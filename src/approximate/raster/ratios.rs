@@ -121,6 +121,7 @@ impl<P: Projection> VectorLoop for RatioLoop<'_, P> {
                 let d = self.film.direction(at_x[k] + left, at_y[k] + top).unit();
                 (dx[k], dy[k], dz[k]) = (d.x, d.y, d.z);
             }
+            // W_camera, and then W_rest of the direction in the world.
             let mut ratios = [1.0; LANES];
             if let Some(boost) = self.world_from_camera.copied() {
                 // Directions are needed in the world only for a second boost, and boosted only with aberration.

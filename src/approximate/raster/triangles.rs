@@ -142,6 +142,7 @@ fn divided(
 ) -> Result<Vec<Batch>> {
     let runs = frames.iter().enumerate().flat_map(|(frame, rest)| {
         let slots = rest.bvh.len() as u32;
+        // Several batches to share among threads, none with too few triangles to be worth a task.
         let run = slots.div_ceil(BATCHES).clamp(LEAST, BATCH);
         (0..slots.div_ceil(run)).map(move |k| (frame, k * run..slots.min((k + 1) * run)))
     });

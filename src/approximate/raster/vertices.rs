@@ -148,6 +148,7 @@ impl FilmCorners<'_> {
     #[inline(always)]
     fn write(&mut self, apparent: &Apparent, begin: usize, block: &VertexBlock) {
         let (mut z, longest) = ([0.0; BLOCK], load(self.longest, begin));
+        // Lengths of the rest frame grow at most by this factor in c.
         let (straight, stretch) = (self.straight, apparent.most_stretch());
         for at in 0..BLOCK {
             // None of its edges needs a cut if everything within the longest of them is straight enough.

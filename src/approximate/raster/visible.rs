@@ -50,6 +50,7 @@ impl VisibleSurfaces {
 
     /// All surfaces; sets up those requested since the last call. Their triangles are `triangles` of `tile`.
     fn complete(&mut self, all: &Triangles, tile: Tile, triangles: &TileBuffers) -> &[Surface] {
+        // Surfaces are set up in the order in which they were requested: the new ones are at the end.
         let known = self.surfaces.all.len();
         let new = &self.triangles[known..];
         (self.surfaces).add(all, tile, &triangles.triangles, new);

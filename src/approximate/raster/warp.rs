@@ -86,6 +86,7 @@ impl Visibility for Warped {
             let taps = self.map.taps(self.lookup, direction);
             for (texel, part) in taps.into_iter().filter(|tap| tap.1 > 0.0) {
                 let hit = self.texels[texel as usize];
+                // Along the texel's direction, where its hit lies; its W is that of the sample's own direction.
                 let d = Direction::from_unit(self.map.direction(texel.into()));
                 let ratio = match hit {
                     Some(hit) => samples.ratio(sample, hit.frame, d),

@@ -215,6 +215,7 @@ impl VectorLoop for Changes<'_> {
         // The first sample has no predecessor.
         let mut before = nearest[0];
         for (own, bits) in nearest.chunks_exact(WORD).zip(self.changes) {
+            // Each sample's predecessor; the first has the last sample of the word before.
             let mut shifted = [before; WORD];
             shifted[1..].copy_from_slice(&own[..WORD - 1]);
             let mut all = 0;

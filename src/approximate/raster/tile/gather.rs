@@ -54,6 +54,7 @@ impl StripLists {
             top / rows..=bottom / rows
         };
         self.rows = rows;
+        // By counting: the length of each list, where it begins, then the triangles in their order.
         self.starts.clear();
         self.starts.resize(SIDE.div_ceil(rows) + 1, 0);
         for triangle in triangles {

@@ -169,6 +169,7 @@ impl VectorLoop for Reached<'_> {
             let triangle = &self.triangles[index as usize];
             let [left, top, right, bottom] = triangle.pixels.map(usize::from);
             for row in top.max(first)..=bottom.min(first + height - 1) {
+                // Pixels are numbered from the first row of the strip.
                 let begin = (row - first) * width;
                 let of_row = &mut self.pixels.is_sampled[begin + left..=begin + right];
                 // Narrow triangles are tested sample by sample.
@@ -244,6 +245,7 @@ impl CoverPixels<'_> {
         [low, high]: [f32; 2],
         is_full: bool,
     ) {
+        // Never true for these strips, but with it the indices below need no checks.
         if pixel >= PIXELS {
             return;
         }
@@ -272,6 +274,7 @@ impl CoverPixels<'_> {
         least[pixel] = least[pixel].min(low);
         most[pixel] = most[pixel].max(high);
         let (each, of) = (self.strip.each, &self.functions[index as usize]);
+        // `each` is a multiple of LANES: a pixel's samples fill whole blocks.
         for block in pixel * each / LANES..(pixel + 1) * each / LANES {
             if block < BLOCKS && cover_block(of, index, self.samples, block) {
                 resolve(self.functions, index, self.samples, block);

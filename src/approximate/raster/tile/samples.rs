@@ -99,6 +99,7 @@ impl VectorLoop for Cover<'_> {
         for &index in list {
             let of = &functions[index as usize];
             let Gathered { pixels, only, .. } = triangles[index as usize];
+            // Triangles whose only sample is outside were dropped, so this one is inside.
             if only != SEVERAL {
                 cover_one(functions, index, samples, usize::from(only));
                 continue;
@@ -125,6 +126,7 @@ fn cover_one(functions: &[Functions], index: u32, samples: &mut Samples, sample:
     let (of, block, i) = (&functions[index as usize], sample / LANES, sample % LANES);
     let [a, b, c] = of.depth;
     let near = a * samples.x[block][i] + b * samples.y[block][i] + c;
+    // As in `cover_block`: certainly nearer, or too close to decide in f32.
     let (low, high) = (near - of.slack, near + of.slack);
     if low > samples.most[block][i] {
         samples.least[block][i] = low;

@@ -63,6 +63,7 @@ impl SetUp<'_> {
     fn corner(&self, k: usize, at: usize) -> DVec3 {
         let [x, y, z] = &self.corners[k];
         let ([x, y, z], [left, top]) = ([x[at], y[at], z[at]], self.origin);
+        // In homogeneous coordinates (xz, yz, z) a shift of the origin is linear.
         DVec3::new(x - left * z, y - top * z, z)
     }
 }
@@ -79,6 +80,7 @@ impl VectorLoop for SetUp<'_> {
             let determinant = a.dot(e[0]);
             // The sign of the orientation makes all three functions positive inside, seen from either side.
             let sign = 1f64.copysign(determinant);
+            // 1/z = Σ eᵢ·p/D, with z in units of the scene's depth.
             let near = (e[0] + e[1] + e[2]) * (self.unit / determinant);
             // The largest rounding error of 1/z in f32 anywhere in the tile.
             let bound = ROUNDING * (SIDE as f64 * (near.x.abs() + near.y.abs()) + near.z.abs());
@@ -100,6 +102,7 @@ impl VectorLoop for SetUp<'_> {
             depth[2][at] = if is_seen { near.z } else { 0.0 };
             slack[at] = if is_seen { bound as f32 } else { 0.0 };
         }
+        // One bit of `kept` for each triangle.
         const { assert!(LOT == u32::BITS as usize) };
         let [x, y] = self.points;
         let mut kept = 0;

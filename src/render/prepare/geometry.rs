@@ -173,6 +173,7 @@ pub fn object_mesh(
         *p = transform.transform_point3(*p);
     }
     check_reach(scene, object, &mut mesh, warnings)?;
+    // A mirroring transform reverses the order of corners, by which the front is known.
     if transform.matrix3.determinant() < 0.0 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
@@ -255,6 +256,7 @@ fn check_reach(
     let is_bad = |t: &&mut [u32; 3]| t.iter().any(|&v| !is_reached(&positions[v as usize]));
     let mut dropped = 0;
     for triangle in mesh.triangles.iter_mut().filter(is_bad) {
+        // Without area no ray hits it, and the others keep their numbers.
         *triangle = [triangle[0]; 3];
         dropped += 1;
     }
@@ -334,6 +336,7 @@ impl Gathered {
     ) {
         let object_first = self.triangles.len() as u32;
         for index in 0..mesh.triangles.len() as u32 {
+            // Coordinates of the frame, relative to its origin.
             self.triangles
                 .push(mesh.corners(index).map(|p| p + origin.x));
         }

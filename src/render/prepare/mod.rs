@@ -119,6 +119,7 @@ impl Prepared {
         let sky = sky::load(scene, plan)?;
         let around = (camera.shot.event, sky.as_ref());
         let light = light.finish(plan, &frames, around, cubes, &mut warnings, progress)?;
+        // Textures are searched only if a lamp could be missing in a mirror.
         let mirrors = LazyCell::new(|| smooth::mirrors_by_texture(&light, &frames));
         let unfound = unfound_light(scene, &plan.objects, |object| mirrors.contains(&object));
         drop(mirrors);
@@ -234,6 +235,7 @@ impl Prepared {
     pub(crate) fn set_camera(&mut self, scene: &Scene) -> Result<()> {
         self.camera = Camera::new(scene)?;
         self.integrated_exposure = scene.camera.integrated_exposure();
+        // Stars and the sun are widened by the motion of the camera.
         if let Background::Sky {
             beaming, motions, ..
         } = &mut self.background

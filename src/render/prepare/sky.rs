@@ -65,6 +65,7 @@ pub(super) fn background(scene: &Scene, shot: &Shot, sky: Option<Arc<Sky>>) -> B
         return Background::Observed(scene.background);
     };
     let camera = &scene.camera;
+    // Samples side by side in a row: √n for each pixel with n samples.
     let across = f64::from(camera.size[0]) * f64::from(scene.samples_per_pixel).sqrt();
     let of_frame = match camera.projection {
         // Wider in the middle than on average.

@@ -345,6 +345,7 @@ impl<'a> Place<'a> {
     /// The capture pinhole in frame coordinates.
     fn eye(&self, eye: DVec3) -> DVec3 {
         match self.world {
+            // World coordinates if the objects rest there, and otherwise the object's own.
             Some(frame_origin) => eye - frame_origin,
             None => eye + self.object,
         }

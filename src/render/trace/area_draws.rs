@@ -227,6 +227,7 @@ impl VectorLoop for Draws<'_> {
                 };
                 let cosine = facing.get(k).dot(l.unit());
                 let w = 1.0 / (ratio * rho);
+                // Per solid angle of G: p_A r_G²/cos θ_y, or one over Ω = 2 h, times the share of the triangle.
                 let by_area = shares[k] / triangle.area() * (distance * distance) / cosine_there;
                 let by_angle = shares[k] / (2.0 * halves[k]);
                 let density = if wide[k] { by_angle } else { by_area };
@@ -237,6 +238,7 @@ impl VectorLoop for Draws<'_> {
                 // False for NaN too, if the point is on the element.
                 let falls = (cosine_there > 0.0) & (cosine > 0.0) & (density > 0.0);
                 factors[k] = if falls { cosine / density } else { 0.0 };
+                // Per solid angle of F: dω_F = W² dω_G.
                 densities[k] = density / (w * w);
             }
 

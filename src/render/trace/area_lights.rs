@@ -189,6 +189,7 @@ impl AreaLights {
                 let shines = element
                     .radiance
                     .factor_at(|| proper_time(run, element, (draws.u[k], draws.v[k]), k, index));
+                // Dark when its light left: no shadow ray is needed.
                 if shines == 0.0 {
                     continue;
                 }
@@ -321,6 +322,7 @@ impl AreaLights {
         let emission = element.radiance.profile.as_deref()?;
         let (u, v) = drawn.place;
         let (l, distance) = unit_and_length_or_nan(drawn.triangle.at((u, v)) - x);
+        // cos θ_y, as the normal is as long as twice the area.
         let towards = -drawn.triangle.normal.dot(l) / drawn.triangle.twice;
         let cosine_there = if element.two_sided {
             towards.abs()

@@ -117,6 +117,7 @@ impl Exposure<'_> {
     /// The two ends of the part of the exposure that a ray stands for, relative to the ray's moment, metres of camera time.
     pub(super) fn part(&self, ray: usize) -> [f64; 2] {
         let (moment, count) = (self.moments[ray], f64::from(self.samples));
+        // The equal part of the exposure that contains the moment.
         let part = (moment * count).floor();
         [part, part + 1.0].map(|end| (end / count - moment) * self.duration)
     }
@@ -441,6 +442,7 @@ impl<V: View> RayGenerator for V {
             TIME => &mut rays.moments,
             axis => &mut rays.offsets[axis],
         };
+        // Towards the middle, so that the neighbour stays within the pixel or the exposure.
         for offset in places {
             *offset += if *offset < 0.5 { BESIDE } else { -BESIDE };
         }

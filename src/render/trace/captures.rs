@@ -138,6 +138,7 @@ fn weight(
     blocked: bool,
 ) -> Option<f64> {
     let view = view.filter(|_| located.is_seen() && !blocked)?;
+    // (cos θ/a)²: a pixel covers a/cos θ of the tilted surface.
     let fineness = 1.0 / (view.footprint * view.footprint);
     Some(texture.seen_part(located) * fineness * fineness)
 }

@@ -101,6 +101,7 @@ impl Eye {
 
     /// An eye that sees `wavelength`, metres, as the human one sees 555 nm.
     pub fn seeing(wavelength: f64) -> Eye {
+        // s = wavelength/555 nm: what the human eye sees at λ/s, this one sees at λ.
         let inverse = 555e-9 / wavelength;
         Eye {
             inverse,
@@ -134,6 +135,7 @@ impl Eye {
 
     /// Linear sRGB of `spectrum`, seen without a shift.
     pub fn colour(self, spectrum: &Spectrum) -> [f64; 3] {
+        // The human eye's response at W/s with W = 1, and s⁻⁴.
         spectrum.colour_at(self.inverse).map(|c| c * self.gain)
     }
 
@@ -239,6 +241,7 @@ impl Leaving {
 
     /// Takes over the points of `points` with these indices, for rays to `end`; `starts` is a buffer.
     pub fn fill(&mut self, points: &Points, numbers: &[u32], end: DVec3, starts: &mut Vec<f64>) {
+        // The starts of all points in one vector loop, from which those of the chosen points are picked.
         shadow_starts(points, end, starts);
         self.points.clear();
         self.points.extend_from_slice(numbers);
@@ -495,6 +498,7 @@ impl Emitted {
     /// Stores the radiance of all points of the run, which is grey, as that of a band, and restarts the run.
     pub(super) fn set_aside(&mut self, band: usize) {
         self.companions.resize(self.radiance.len(), [0.0; 2]);
+        // A band has one value, which is in all three channels.
         for (companions, [grey, ..]) in self.companions.iter_mut().zip(&self.radiance) {
             companions[band] = *grey;
         }
@@ -537,6 +541,7 @@ impl Emitted {
     #[inline]
     pub(super) fn put(&mut self, at: usize, emission: Emission) {
         self.radiance[at] = emission.radiance;
+        // Only exceptions get a detail: the loops that add colours are faster without any.
         let plain = emission.coverage == Coverage::HELD
             && emission.wavelength_scale == 1.0
             && emission.unscaled == [0.0; 3];

@@ -149,6 +149,7 @@ impl Run<'_> {
             return None;
         }
         let met = local.at(s);
+        // Barycentrics by areas: those of (from_a, e2) and (e1, from_a) along the normal, over that of (e1, e2).
         let from_a = met.x - a;
         let square = normal.length_squared();
         Some(Meeting {
@@ -227,6 +228,7 @@ impl Footprint {
         let bins = self.sides.map(|side| texture.bins_in(side.time.abs()));
         let of_part: [f64; 3] = std::array::from_fn(|k| bins[k] / count[k]);
         let mut span = self.is_exposed.then_some(TIME);
+        // |α| + |β| in bins.
         let in_time = of_part[0] + of_part[1] > 1.0;
         if in_time {
             let longest = (0..3).fold(

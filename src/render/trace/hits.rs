@@ -265,6 +265,7 @@ impl HitBuffer {
             [] => Origins::Shared(origin),
             origins if rays.left.is_empty() => Origins::Each(origins),
             origins => {
+                // A slot has a meaning only in the frame of the triangle that the ray leaves.
                 self.left.clear();
                 self.left
                     .extend(rays.left.iter().map(|left| match left.frame == frame {

@@ -61,6 +61,7 @@ pub(super) fn illuminate(
         directions: !is_matte || points.is_smooth(),
         ratios: constant.is_none() || incident.weighs || !reflections.is_empty(),
     };
+    // One loop for steady, isotropic lamps if no shadow ray needs directions of the world; otherwise arrivals are stored first.
     if needs_ways || !lamp.incidence_at((&on_rays, index), boost, normals, kept, incidence) {
         lamp.arrivals(&on_rays, index, arrivals);
         lamp.incidence(arrivals, boost, normals, incidence);
@@ -172,6 +173,7 @@ pub(super) fn illuminate(
 fn find_lit(factors: &[f64], lit: &mut Vec<u32>) {
     lit.resize(factors.len(), 0);
     let mut count = 0;
+    // Each index is written, and stays only if it is lit: no branch, and count ≤ k keeps within bounds.
     for (k, factor) in factors.iter().enumerate() {
         lit[count] = k as u32;
         count += usize::from(*factor != 0.0);
@@ -314,6 +316,7 @@ impl Gathered {
         let mut weighted = load(&self.weighted, begin);
         for k in 0..BLOCK {
             let (e, scale) = (irradiance.get(k), scales[k]);
+            // From left to right: `+=` would add up the three first, and round differently.
             weight[k] = weight[k] + e.x + e.y + e.z;
             weighted[k] = weighted[k] + e.x * scale + e.y * scale + e.z * scale;
         }
@@ -339,6 +342,7 @@ impl VectorLoop for Gather<'_> {
             gathered,
         } = self;
         let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
+        // If wavelengths have no weights, light of one colour needs no block of irradiances.
         let plain = match gathered.weighs {
             true => None,
             false => light.constant,
@@ -346,6 +350,7 @@ impl VectorLoop for Gather<'_> {
         let mut last = [0.0; BLOCK];
         let mut begin = 0;
         while begin < light.factors.len() {
+            // A dark block leaves the sum as it is; the first light has to write its zeros.
             let Some(factors) = light.factors(begin, &mut last) else {
                 if is_first {
                     gathered.sum.store(&Vectors::ZERO, begin);
@@ -480,6 +485,7 @@ impl VectorLoop for Gloss<'_> {
             is_first,
             added,
         } = self;
+        // If all points are alike, their coefficients are computed once, and their kind selects the loop.
         let shared = glosses.shared().map(|of| (of, of.kind()));
         let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
         let mut last = [[0.0; BLOCK]; 3];
@@ -493,6 +499,7 @@ impl VectorLoop for Gloss<'_> {
                 begin += BLOCK;
                 continue;
             };
+            // Light of one colour on points that are alike is used as colour times factor, without irradiances.
             if shared.is_none() || light.constant.is_none() || gathered.weighs {
                 light.irradiate(begin, factors, &mut irradiance);
             }
@@ -526,6 +533,7 @@ impl VectorLoop for Gloss<'_> {
                         roughness: block_of(&glosses.roughness, look, last_roughness),
                         dielectric: glosses.dielectric,
                     };
+                    // From the bits, without a branch: any roughness that is not exactly 1.
                     let mut others = 0;
                     for roughness in reflectances.roughness {
                         others |= roughness.to_bits() ^ 1.0f64.to_bits();

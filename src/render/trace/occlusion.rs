@@ -168,6 +168,7 @@ impl OcclusionQueries {
                 continue;
             }
             let (query, point) = (self.open[k], self.open_points[k] as usize);
+            // Compacted in place: near ≤ k.
             self.open[near] = query;
             near += 1;
             self.segments.push(Segment {
@@ -246,6 +247,7 @@ impl Ball {
         let p = from - centre;
         let (along, pp, dd) = (p.dot(d), p.length_squared(), d.length_squared());
         let beyond = pp - ROUNDING * pp - square;
+        // The origin is outside and the ray leads away, or p² − (p·d)²/d² > R² at the nearest point.
         let leaves = (along >= 0.0) & (beyond > 0.0);
         let passes = beyond * dd > along * along;
         leaves | passes

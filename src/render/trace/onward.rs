@@ -91,6 +91,7 @@ impl Level {
         for chosen in chosen {
             normals.push(points.normals.get(chosen.point as usize));
         }
+        // For all chosen points in one vector loop; only the diffuse ones use their direction.
         each_by_cosine(normals, numbers, by_cosine);
         let gamma = run.rest.frame.velocity().gamma();
         let add = |level: &mut Level, k: usize, is_shared: bool| {
@@ -118,6 +119,7 @@ impl Level {
             level.pixels.push(chosen.key);
             level.indices.push(chosen.index);
         };
+        // Points without a group come first in `chosen`, then the points of each group in turn.
         let in_groups: usize = groups.all.iter().map(Group::paths).sum();
         let mut next = chosen.len() - in_groups;
         (0..next).for_each(|k| add(self, k, false));
@@ -187,14 +189,17 @@ impl Level {
         // From the event of the shot to the point, lifted off its surface.
         let ray = run.members[k] as usize;
         let way = run.traced.rays.origin(ray).displacement + points.offset(k);
+        // All coordinates whose rounding moves the point: a boost multiplies those of the world by up to γ.
         let size = gamma * (way.ct.abs() + way.x.abs().max_element())
             + points.eye(k).abs().max_element()
             + points.positions.get(k).abs().max_element();
         let normal = points.geometric(k);
+        // Light from beyond a glass surface is traced on the other side.
         let side = match normal.dot(drawn.l) < 0.0 {
             true => -CLEARANCE,
             false => CLEARANCE,
         };
+        // At the same time in the rest frame, where the normal is perpendicular to the surface.
         let off = world_from_rest.displacement(Displacement::new(0.0, normal * (side * size)));
         self.directions.push(d.unit());
         self.ratios.push(ratio);

@@ -139,6 +139,7 @@ impl PathTraced {
             }
             _ => None,
         };
+        // Rays cannot hit lamps: the last ray is worth tracing only if surfaces or the sky shine by themselves.
         let mut emitters = light.emitters.iter();
         let shines = light.areas.is_some()
             || light.sky.is_some()
@@ -148,6 +149,7 @@ impl PathTraced {
             _ => None,
         };
         let lamps: Vec<_> = light.emitters.iter().map(lamps).collect();
+        // Emitters with the same list of lamps share the index of the first one, and `meet` lights their points in one run.
         let first = |own: &Option<Vec<usize>>| {
             let place = own.as_ref().and(lamps.iter().position(|all| all == own));
             place.map(|first| first as u32)
@@ -198,6 +200,7 @@ impl Radiance for PathTraced {
         if let Some(spectra) = &self.light.spectra {
             spectra.begin(run, &mut emitted.spectral);
         }
+        // A run of camera rays covers one patch, which is its only part.
         let whole = [Part {
             patch: run.patch,
             finish,
@@ -219,11 +222,13 @@ impl PathTraced {
         emitted.reflections.clear();
         emitted.spectral.start();
         emitted.points.views(&mut emitted.views);
+        // Before the loop below overwrites the normals of smooth parts.
         if parts.iter().any(|part| part.finish.is_smooth) {
             emitted.points.keep_geometric();
         }
         for part in parts {
             for k in part.points.clone() {
+                // All members have hit something, so reflection k is that of point k.
                 let Some(hit) = run.hit(k) else {
                     continue;
                 };
@@ -247,6 +252,7 @@ impl PathTraced {
     fn near(&self, run: &Run, k: usize) -> f64 {
         let traced = run.traced;
         let ray = run.members[k] as usize;
+        // The delay of the scene's medium: the ray does not come through glass.
         if traced.rays.origin(ray).delay == 1.0 {
             return 1.0;
         }
@@ -267,6 +273,7 @@ impl PathTraced {
             index,
             ..
         } = &self.light;
+        // No ray hits a lamp without extent: its light needs no weight.
         for lamp in lamps.iter().filter_map(|k| all[*k].as_ref()) {
             lamps::illuminate(run, lamp, *index, emitted, meter);
         }
@@ -287,6 +294,7 @@ impl PathTraced {
                 meter,
             );
         }
+        // A sky without bright parts is left to the rays that continue, unless it ignores shadows, which they do not.
         let is_drawn =
             |sky: &&super::SkyLight| !sky.shadows || sky.frames[run.frame as usize].is_uneven();
         if let Some(sky) = sky.as_ref().filter(is_drawn) {
@@ -314,6 +322,7 @@ impl PathTraced {
         if !self.goes_on(depth) {
             return;
         }
+        // Level 0: one ray from each point, or from a few points of each group, which share what these find.
         let mut paths = emitted.paths.take().unwrap_or_default();
         let first = level(&mut paths.levels, 0);
         first.start(depth + 1);
@@ -330,6 +339,7 @@ impl PathTraced {
                 level(levels, 0).draw_chosen(run, emitted, chosen, groups);
             }
         }
+        // `meet` samples the rays of the next level, until a level has none.
         let mut count = 0;
         while !level(&mut paths.levels, count).drawn.is_empty() {
             self.meet(&mut paths, count, run.traced, meter);
@@ -348,6 +358,8 @@ impl PathTraced {
                 }
             }
         }
+
+        // Level 0 starts at the points of the run. Its shared rays come last, and `share` weights them for each point of a group.
         let first = level(&mut paths.levels, 0);
         let alone = first.shared_from.unwrap_or(first.drawn.len());
         for (drawn, met) in first.drawn[..alone].iter().zip(&first.met) {
@@ -404,6 +416,7 @@ impl PathTraced {
             event: before.event,
             index: before.index,
         };
+        // By patch: points with the same lamps and finish are shaded together.
         sort(&traced, order);
         // Rays that hit nothing see the sky, whose lines are carried back one by one.
         met.clear();
@@ -448,6 +461,7 @@ impl PathTraced {
                 rest: traced.surfaces.rest(frame),
                 frame,
             };
+            // W = ω_G/ω_F in two factors: ω_world/ω_F of this level's rays, and ω_G/ω_world.
             run.ratios(ratios, wavelength_ratios);
             if let Some(spectra) = &self.light.spectra {
                 spectra.go_on(&run, wavelength_ratios, &mut emitted.spectral);
@@ -469,6 +483,7 @@ impl PathTraced {
                             });
                         }
                     }
+                    // Parts follow each other in the run, so weights are pushed in the order of its points.
                     for part in &parts {
                         let shines = part.finish.emission.is_some();
                         let points = (&run, part.points.clone());
@@ -479,6 +494,7 @@ impl PathTraced {
                         next[0].draw(&run, emitted, |k| run.members[k]);
                     }
                     self.note_surfaces(&parts, &run, (wavelength_ratios, emitted), &mut met);
+                    // Lines that leave these surfaces arrive in the frames of the points before, and from there go back along the path.
                     for (k, line) in emitted.spectral.leaving.drain(..) {
                         let line = line.received(wavelength_ratios[k]);
                         lines.extend(carried_back(levels, run.members[k], line));
@@ -599,6 +615,7 @@ impl PathTraced {
         w: f64,
         (radiance, companions, wavelength_scale): ([f64; 3], [f64; 2], f64),
     ) -> Incident {
+        // (2): from G to F. The power of W is that of the declared quantity, or part of M(W) or of the spectrum's colour.
         let received = &self.received[emitter];
         let light = match &response.colour {
             Colouring::Spectrum(table, _) => {
@@ -647,6 +664,7 @@ impl PathTraced {
             scattered: Scattered { l, density, .. },
             ..
         } = *drawn;
+        // The sky rests in the world: W = λ_F/λ_world = 1/ρ with ρ = ω_F/ω_world.
         let boosted = &light.frames[drawn.frame as usize];
         let (d, rho) = boosted.in_world(l);
         let w = 1.0 / rho;
@@ -800,6 +818,7 @@ fn note_lines(run: &Run, (ratios, emitted): (&[f64], &Emitted), mut each: impl F
 /// that point.
 fn carried_back(levels: &[Level], ray: u32, line: Line) -> Option<(usize, Line)> {
     let (mut ray, mut line) = (ray as usize, line);
+    // Backwards: a line is reflected where its ray left, and received by the point whose ray hit that surface.
     let (last, before) = levels.split_last()?;
     let reflect = |level: &Level, ray: usize, line: Line| {
         Some((
@@ -830,6 +849,7 @@ pub(super) fn sky_weight(light: &SkyLight, frame: u32, l: DVec3, density: f64) -
         (false, _) => 0.0,
         (true, false) => 1.0,
         (true, true) => {
+            // The density is n·l/π, and the sky's own density needs n·l.
             let (d, rho) = boosted.in_world(l);
             balance(density, boosted.density(density * PI, d, rho))
         }
@@ -873,6 +893,7 @@ pub(super) fn add(
 /// The weight of a sample drawn with density `own` that could also be drawn with density `other`.
 #[inline]
 pub(super) fn balance(own: f64, other: f64) -> f64 {
+    // 0 also for 0/0, where neither technique samples the direction.
     match own > 0.0 {
         true => own / (own + other),
         false => 0.0,

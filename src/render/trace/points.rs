@@ -120,6 +120,7 @@ impl Points {
         self.resize(count);
 
         let TracedRays { surfaces, rays, .. } = run.traced;
+        // Boosts change the length of tangents: unit vectors are left only where there is none.
         self.are_unit = surfaces.at_rest().is_some();
         let shared = surfaces.shared_origin(rays, run.traced.hits);
         let hits = run.traced.hits.hits();
@@ -129,6 +130,7 @@ impl Points {
         if let Some(row) = row {
             self.tangents.take(row);
         }
+        // Lanes past the last member keep old slots: they get normals that nothing reads.
         let (mut slots, mut sides) = ([0; BLOCK], [0.0; BLOCK]);
         for (block, members) in run.members.chunks(BLOCK).enumerate() {
             let begin = block * BLOCK;
@@ -298,6 +300,7 @@ impl Points {
         match self.own_origins {
             true => Displacement::new(self.offsets.ct[k], self.offsets.x.get(k)),
             false => {
+                // s (−η, d): light that reaches the origin left η s before.
                 let s = self.s[k];
                 Displacement::new(-self.index * s, self.directions().get(k) * s)
             }
@@ -412,6 +415,7 @@ impl VectorLoop for Views<'_> {
         let mut views = Vectors::ZERO;
         let mut begin = 0;
         while begin < self.tangents.len() {
+            // In vacuum a boosted tangent has the length ω_rest/ω_world.
             let tangents = self.tangents.block(begin);
             if !self.are_unit {
                 for k in 0..BLOCK {

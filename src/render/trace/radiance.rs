@@ -275,6 +275,7 @@ fn look_up(
             });
             let span = emitted.spans[k].map(|after| emitted.times[k] + after);
             let sampled = texture.mean_uv(uv.unwrap_or(glam::DVec2::NAN), span, &near);
+            // In this pass bricks on disk are only requested: there is no result to keep.
             if near.is_asking() {
                 return;
             }
@@ -354,6 +355,7 @@ fn locate(
     let eye = capture.eye();
     shadow_starts(points, eye, starts);
     let (bvh, method, counts) = (&run.rest.bvh, run.traced.rays.method, meter.occlusion());
+    // No selection: the points' own columns serve as the starts of the rays.
     if seen.is_all_plain() {
         let all = Converging {
             end: eye,
@@ -508,6 +510,7 @@ fn smooth(finish: &Finish, run: &Run, emitted: &mut Emitted) {
     if finish.gloss.is_some() {
         points.views(views);
     }
+    // The triangles' normals still decide which light comes from below the surface.
     points.keep_geometric();
     for k in 0..run.count() {
         if let Some(hit) = run.hit(k) {
@@ -559,10 +562,12 @@ impl TimeResolved {
         if let Some(sky) = &self.sky {
             sky.illuminate(run, self.index, emitted, meter);
         }
+        // Factors of the surface's own emission, at the object's proper times of emission; none if it is steady.
         emitted.times.clear();
         if let Some(emission) = self.shown_emission(finish) {
             emission.factors(run, &mut emitted.times);
         }
+        // Glossy points hold radiance. Matte points hold irradiance, which becomes radiance in place.
         let reflected = match finish.gloss {
             Some(_) => &emitted.added,
             None => {

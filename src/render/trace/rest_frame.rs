@@ -63,6 +63,7 @@ impl SharedVertices {
         let mut known = HashMap::with_capacity_and_hasher(bvh.len(), BuildPlaceHasher::default());
         let mut positions = Vec::new();
         let mut index = |corner: DVec3| {
+            // By bits: 0 and −0 count as two, which costs only a vertex.
             let bits = corner.to_array().map(f64::to_bits);
             *known.entry(bits).or_insert_with(|| {
                 positions.push(corner);

@@ -191,6 +191,7 @@ impl<'a> Run<'a> {
         spans.clear();
         self.each_local(self.members, |k, _, rho| {
             let ray = self.members[k] as usize;
+            // 1/W by its two factors, camera over world and world over rest frame.
             let per_camera_time = gamma / (exposure.ratios[ray] * rho);
             spans.push(exposure.part(ray).map(|after| after * per_camera_time));
         });

@@ -113,6 +113,7 @@ impl Scaling {
     /// p − 2, where radiance is scaled with W⁻ᵖ.
     pub(crate) fn beaming(self) -> i32 {
         match self {
+            // p is 0, that of the quantity, or −4.
             Scaling::None => -2,
             Scaling::Of(quantity) => quantity.exponent() as i32 - 2,
             Scaling::HueAlone => -6,
@@ -207,6 +208,7 @@ impl Shading {
     ) {
         let origins = traced.rays.origins;
         let has_gaps = radiance.has_gaps() || origins.is_some();
+        // Without origins the weight is the constant 1, and the compiler drops its tests.
         match origins {
             None => self.sort(traced, background, |_| 1.0, sink),
             Some(origins) => self.sort(traced, background, |ray| origins[ray].weight, sink),
@@ -289,6 +291,7 @@ impl Shading {
             take_directions(escaped, traced, &mut self.directions);
         }
         self.motions.clear();
+        // If the camera accelerates during the exposure, each ray widens discs by the velocity of its own moment.
         if let (Some(motions), [_, ..], true) = (motions, traced.rays.moments, sky.has_discs()) {
             let moments = escaped.iter().map(|ray| traced.rays.moments[*ray as usize]);
             self.motions
@@ -410,6 +413,7 @@ impl Shading {
             }
             self.lit.extend(begin as u32..ray as u32);
         }
+        // An empty run, which is removed again, ends the last one.
         self.begin(u32::MAX, 0, 0);
         self.runs.pop();
         self.merge();
@@ -488,6 +492,7 @@ impl Shading {
             self.reordered
                 .extend_from_slice(&self.lit[span.begin..span.end]);
             let end = self.reordered.len();
+            // In place: merged ≤ at, so no run is overwritten before it is read.
             match merged.checked_sub(1).map(|last| self.runs[last]) {
                 Some(last) if (last.frame, last.patch) == (span.frame, span.patch) => {
                     self.runs[merged - 1].end = end;
@@ -581,6 +586,7 @@ fn add_colours(
     members: &[u32],
     sink: &mut impl RadianceSink,
 ) {
+    // The usual responses have loops of their own; the last loop serves all others.
     match (&emitted.response.colour, emitted.details.as_slice()) {
         (Colouring::Rgb(shift, eye), []) => {
             shift_all(shift, *eye, ratios, factors, &mut emitted.radiance);

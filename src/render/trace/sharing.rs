@@ -96,6 +96,7 @@ impl Group {
     /// Indices in the group of the points from which paths continue, by a number in [0, 1).
     pub fn chosen(&self, number: f64) -> impl Iterator<Item = usize> + use<> {
         let (count, paths) = (self.count(), self.paths());
+        // One point of each stretch of N/M points: every point has the probability q = M/N.
         let step = count as f64 / paths as f64;
         (0..paths).map(move |k| (((k as f64 + number) * step) as usize).min(count - 1))
     }
@@ -466,6 +467,7 @@ impl VectorLoop for Weights<'_> {
         }
         let [a, b, c, d, e, f, g, h] = sums;
         let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
+        // w = p (N/M)/Σ p.
         let factor = self.points_per_path / sum;
         // NaN becomes 0, too.
         let factor = match factor > 0.0 && factor.is_finite() {

@@ -257,6 +257,7 @@ impl SkyLight {
             let blocked = |i: usize| drawn[i].is_below || emitted.queries.is_blocked(at + i);
             let open = [0, 1].map(|pair| open_part(drawn, pair, blocked));
             let irradiance = boosted.irradiance(emitted.points.normals.get(k));
+            // The mean of both pairs' estimators: each has the open fraction of the other as its c.
             let c = 0.5 * (open[0] + open[1]);
             let reflection = emitted.reflections.get(k);
             // c E is reflected with the mean of the diffuse value over directions, and so is each sampled direction in its control variate.

@@ -42,6 +42,7 @@ impl SampledSpectra {
             let [x, _] = run.one_random_of(k, WAVELENGTH, 0, 1);
             to.numbers.push(x);
             let seen = wavelengths_of(x);
+            // Light that the camera sees at λ has left the surface at λ/W.
             to.wavelengths.push(seen.map(|l| self.eye.seen_as(l) / w));
         }
         to.beside.clear();

@@ -63,6 +63,7 @@ impl SpectralPoints {
     ) {
         let leaving = match self.in_rgb.get(k) {
             Some(reflection) => {
+                // f at the wavelength of the line, which all three channels then have.
                 let there = reflection.at(&basis_at([line.wavelength; 3]));
                 line.scaled(value(&there)[0])
             }

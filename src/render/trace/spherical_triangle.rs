@@ -79,6 +79,7 @@ impl Triangle {
         let (b, c) = (a + self.edges[0], a + self.edges[1]);
         let (ra, rb, rc) = (a.length(), b.length(), c.length());
         let sum = ra * rb * rc + a.dot(b) * rc + b.dot(c) * ra + c.dot(a) * rb;
+        // det(A, B, C) of (1), above 0 in front of the triangle.
         let front = -self.normal.dot(a);
         let back = -front * is_two_sided;
         let seen = if front > back { front } else { back };
@@ -88,6 +89,7 @@ impl Triangle {
     /// Barycentrics of a point sampled uniformly in area with two numbers in [0, 1).
     #[inline(always)]
     pub fn draw_by_area([x, y]: [f64; 2]) -> (f64, f64) {
+        // The area up to a line across grows with the square of its distance from the corner, so that distance is √x.
         let root = x.sqrt();
         (root * (1.0 - y), root * y)
     }

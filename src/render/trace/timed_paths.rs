@@ -207,6 +207,7 @@ impl TimedPaths<'_> {
             .as_ref()
             .is_some_and(|areas| areas.changes());
         let mut all = Vec::new();
+        // The surfaces that the camera sees: their own emission is found here, without any reflection.
         let first = starts.iter().enumerate();
         let mut vertices: Vec<_> = first
             .filter_map(|(path, start)| self.first(path, start, &mut all))
@@ -217,12 +218,14 @@ impl TimedPaths<'_> {
         let shares = |start: &Start| matches!(start.seen, Seen::From(..));
         let shares = starts.first().is_some_and(shares);
         for depth in 0..=self.bounces {
+            // Next-event estimation: every lamp, and one point on all shining surfaces.
             self.light_up(&vertices, &mut all);
             if shines {
                 self.light_up_by_areas(&vertices, (&samples, depth), &mut all);
             }
             // After the last surface, one more ray looks for shining surfaces.
             if depth == 0 && shares && (depth < self.bounces || shines) {
+                // Groups consist of adjacent vertices: a stable sort puts those of a patch next to each other.
                 vertices.sort_by_key(|vertex| self.rest.patch(vertex.hit.triangle).first);
                 shared = self.choose(vertices, in_pixel, &mut samples);
                 vertices = self.begin(&mut shared, &samples, &mut all);
@@ -232,6 +235,7 @@ impl TimedPaths<'_> {
         }
         // Sums over a path's lamps are in the order of the path.
         all.sort_by_key(|found| found.path);
+        // Shared paths are numbered after the starts, so their light is at the end.
         let own = all.partition_point(|found| found.path < starts.len());
         for one in &all[..own] {
             found(one.path, one.emission, one.light, one.delay);
@@ -296,7 +300,9 @@ impl TimedPaths<'_> {
         samples: &[(u64, u32)],
         all: &mut Vec<Found<'a>>,
     ) -> Vec<Vertex<'a>> {
+        // The samples of shared paths follow those of the starts.
         let starts = samples.len() - shared.chosen.len();
+        // Non-diffuse surfaces share nothing: each continues its own path.
         let alone = shared.firsts.iter();
         let alone = alone.filter(|vertex| !vertex.reflection.is_diffuse());
         let mut onward = Onward::default();
@@ -318,6 +324,7 @@ impl TimedPaths<'_> {
                 next.extend(self.meet(&path_hit, &leaving, all));
                 continue;
             };
+            // Relative to the second surface: `share` applies each receiver's own throughput and delay.
             let path_hit = PathHit {
                 carried: [1.0; 3],
                 delay: 0.0,
@@ -404,6 +411,7 @@ impl TimedPaths<'_> {
                     continue;
                 }
                 let vertex = &firsts[*point as usize];
+                // The light travels from y to this receiver, not to the point from which the path continued.
                 let delay = vertex.delay + self.light.index * (end.y - vertex.x).length();
                 let albedo = vertex.reflection.albedo();
                 let carried: [f64; 3] = std::array::from_fn(|c| vertex.carried[c] * albedo[c]);
@@ -464,6 +472,7 @@ impl TimedPaths<'_> {
             return None;
         }
         let colour = self.shines(patch)?;
+        // Steady light has no place in time bins.
         let emission = colour.profile.as_deref()?;
         let radiance = self.light.base.colour_at(colour, self.rest, patch, hit);
         let (_, response) = &self.light.emitters[patch.emitter as usize];
@@ -548,6 +557,7 @@ impl TimedPaths<'_> {
 
     /// Whether light of any of these lamps arrives at `x` from the side to which `normal` points.
     fn is_lit_along(&self, normal: DVec3, x: DVec3, lamps: &[usize]) -> bool {
+        // At any time: lamps rest in this frame, so their directions do not change.
         let event = Event::<Rest>::new(0.0, x);
         let event = self.rest.frame.event_to_world(event);
         let at = NullRay::new(event, Direction::from_unit(DVec3::X), self.light.index);
@@ -565,6 +575,7 @@ impl TimedPaths<'_> {
     /// The same for a path that begins on a surface.
     fn first_diffuse(&self, path: usize, hit: Hit) -> Option<Vertex<'_>> {
         let [a, b, c] = self.rest.bvh.corners(hit.slot);
+        // From the weights, as no ray leads here.
         let x = a + (b - a) * hit.u + (c - a) * hit.v;
         let patch = self.rest.patch(hit.triangle);
         let normal = self.rest.bvh.normal(&hit);
@@ -614,6 +625,7 @@ impl TimedPaths<'_> {
             let numbers = self::samples(&[pixel], index, depth).on_path(AREA);
             let reflection = &vertex.reflection;
             let geometric = reflection.geometric_normal();
+            // The light tree expects a point lifted off its triangle, so that the triangle itself is not above it.
             let size = shadow_size(vertex.from, vertex.x);
             let x = lifted(size, vertex.x, geometric);
             let place = (x, reflection.normal(), geometric);
@@ -665,6 +677,7 @@ impl TimedPaths<'_> {
         let mut blocked = vec![false; segments.len()];
         let bvh = &self.rest.bvh;
         bvh.any_by(self.method, segments, &mut blocked, None);
+        // Answers come in the order of the candidates with a segment; those without one ignore shadows.
         let mut blocked = blocked.into_iter();
         let open = candidates
             .into_iter()
@@ -821,6 +834,7 @@ impl TimedPaths<'_> {
         }
         let incident = lamp.incident(&arrival, rho, cosine);
         let value = vertex.reflection.value(l);
+        // f E: the lamp has no extent, so there is no density to divide by.
         let light: [f64; 3] = std::array::from_fn(|c| value[c] * incident.irradiance[c]);
         if light.iter().all(|c| *c == 0.0) {
             return None;

@@ -153,6 +153,7 @@ fn node(all: &[Shining], chosen: &[u32], parent: u32) -> Node {
     let chosen = || chosen.iter().map(|k| &all[*k as usize]);
     let mut sum = Sum::NONE;
     for shining in chosen() {
+        // Two-sided triangles count with the normal on the side of the sum so far.
         sum.add(shining, sum.normals);
     }
     let centre = (sum.lo + sum.hi) * 0.5;
@@ -163,6 +164,7 @@ fn node(all: &[Shining], chosen: &[u32], parent: u32) -> Node {
     let radius = radius2.fold(0.0, f64::max).sqrt() + 4.0 * f64::EPSILON * size;
     let axis = sum.normals.normalize_or_zero();
     let two_sided = chosen().any(|shining| shining.two_sided);
+    // cos θ_o: the least cosine of any normal to the axis.
     let nearest = chosen().map(|shining| {
         let cosine = shining.triangle.normal.dot(axis) / shining.triangle.twice;
         if two_sided { cosine.abs() } else { cosine }
@@ -222,6 +224,7 @@ fn split(all: &[Shining], chosen: &mut [u32], axis: DVec3) -> usize {
         }
     }
     let (cost, along, cut) = best;
+    // No cut has triangles on both sides: halves, in the given order.
     let half = chosen.len() / 2;
     if cost.is_infinite() {
         return half;

@@ -161,12 +161,14 @@ impl Node {
         let distance2 = way.length_squared();
         let l = way / distance2.sqrt();
         let is_inside = distance2 <= self.radius2;
+        // sin θ_b = R/d; from within the ball every direction leads to the node.
         let sine2 = if is_inside {
             1.0
         } else {
             self.radius2 / distance2
         };
         let (sine, cosine) = (sine2.sqrt(), (1.0 - sine2).sqrt());
+        // |**N**|² = 1 + (N⁰)².
         let length = (1.0 + receiver.tilt * receiver.tilt).sqrt();
         let nearest = cosine_of_difference(receiver.normal.dot(l) / length, (sine, cosine));
         let nearest = if is_inside { 1.0 } else { nearest.0 };
@@ -196,6 +198,7 @@ impl Node {
         } else {
             nearer
         };
+        // max(d², R²) of (1).
         let most2 = if sight.is_inside {
             self.radius2
         } else {
@@ -371,6 +374,7 @@ impl LightTree {
             }
             child += 1;
         }
+        // As in the function `choose`, but with selects instead of branches: the child at which the number is used up.
         let (mut own, mut rests) = ([0.0; BLOCK], [0.0; BLOCK]);
         let mut open = [true; BLOCK];
         for k in 0..BLOCK {

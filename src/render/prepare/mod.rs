@@ -237,9 +237,14 @@ impl Prepared {
         self.integrated_exposure = scene.camera.integrated_exposure();
         // Stars and the sun are widened by the motion of the camera.
         if let Background::Sky {
-            beaming, motions, ..
+            angle,
+            pixel,
+            beaming,
+            motions,
+            ..
         } = &mut self.background
         {
+            [*angle, *pixel] = sky::angles(scene);
             beaming.motion = sky::motion(scene, &self.camera.shot);
             *motions = sky::motions(scene);
         }

@@ -64,17 +64,7 @@ pub(super) fn background(scene: &Scene, shot: &Shot, sky: Option<Arc<Sky>>) -> B
     let Some(sky) = sky else {
         return Background::Observed(scene.background);
     };
-    let camera = &scene.camera;
-    // Samples side by side in a row: √n for each pixel with n samples.
-    let across = f64::from(camera.size[0]) * f64::from(scene.samples_per_pixel).sqrt();
-    let of_frame = match camera.projection {
-        // Wider in the middle than on average.
-        ProjectionKind::Perspective => 2.0 * libm::tan(0.5 * camera.horizontal_fov),
-        ProjectionKind::FisheyeEquidistant
-        | ProjectionKind::FisheyeEquisolid
-        | ProjectionKind::FisheyeOrthographic
-        | ProjectionKind::Equirectangular => camera.horizontal_fov,
-    };
+    let [angle, pixel] = angles(scene);
     let (response, spectra) = (response(scene.quantity, scene), sky_spectra(scene));
     let channels = scene.quantity != Quantity::Rgb;
     let scaled = if channels {
@@ -93,9 +83,26 @@ pub(super) fn background(scene: &Scene, shot: &Shot, sky: Option<Arc<Sky>>) -> B
             shifted: spectra.shifted,
         },
         motions: motions(scene),
-        angle: camera.horizontal_fov / across,
-        pixel: of_frame / f64::from(camera.size[0]),
+        angle,
+        pixel,
     }
+}
+
+/// The angle between samples at rest in the camera's frame, and that between pixels where it is largest, radians.
+pub(super) fn angles(scene: &Scene) -> [f64; 2] {
+    let camera = &scene.camera;
+    // Samples side by side in a row: √n for each pixel with n samples.
+    let across = f64::from(camera.size[0]) * f64::from(scene.samples_per_pixel).sqrt();
+    let of_frame = match camera.projection {
+        // Wider in the middle than on average.
+        ProjectionKind::Perspective => 2.0 * libm::tan(0.5 * camera.horizontal_fov),
+        ProjectionKind::FisheyeEquidistant
+        | ProjectionKind::FisheyeEquisolid
+        | ProjectionKind::FisheyeOrthographic
+        | ProjectionKind::Equirectangular => camera.horizontal_fov,
+    };
+    let pixels = f64::from(camera.size[0]);
+    [camera.horizontal_fov / across, of_frame / pixels]
 }
 
 /// The motion that shows in the camera's directions.

@@ -91,6 +91,27 @@ fn pictures_of_other_sizes_and_samples_need_no_other_preparation() {
 }
 
 #[test]
+fn stars_are_as_wide_as_pixels_of_the_camera_in_use() {
+    let wide = "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nsize = [96, 64]\nhfov = \"60 deg\"\n\
+                [sky]\nradiance = 0\nsun = { direction = [0.01, 0, -1], diameter = \"0.05 deg\", irradiance = 1 }\n\
+                stars = { count = 3000, diameter = \"0.05 deg\" }\n";
+    let narrow = wide
+        .replace("60 deg", "2 deg")
+        .replace("[96, 64]", "[192, 128]");
+    let [wide, narrow] = [wide, &narrow].map(stage::scene);
+    let mut prepared = Prepared::new(&wide, &plan(&wide), &Silent).unwrap();
+    let own = render(
+        &Prepared::new(&narrow, &plan(&narrow), &Silent).unwrap(),
+        &Silent,
+    );
+    prepared.retake_on_film(&narrow, &plan(&narrow)).unwrap();
+    assert_eq!(
+        bits(&render(&prepared, &Silent).unwrap()),
+        bits(&own.unwrap())
+    );
+}
+
+#[test]
 fn another_picture_of_what_was_not_prepared_is_refused() {
     let text = |camera: &str, object: &str, more: &str| {
         format!(

@@ -336,9 +336,10 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
 
 /// Mistakes by channels, none of which is constant.
 fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
-    let mut found = causes(case);
+    let other = camera::other_shot(case);
+    let mut found = causes(case, other.is_some());
     // If it is another shot, that is the mistake: objects, light and films follow from it.
-    if let Some(other) = camera::other_shot(case) {
+    if let Some(other) = other {
         found.retain(|found| found.kind.is_of_shot());
         if found.is_empty() {
             found.push(other);
@@ -377,8 +378,8 @@ fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
     found
 }
 
-/// Explanations of the errors of pixels.
-fn causes(case: &Case) -> Vec<Diagnosis> {
+/// Explanations of the errors of pixels; light, which follows from everything else, is not looked at if the metadata state another shot.
+fn causes(case: &Case, is_other_shot: bool) -> Vec<Diagnosis> {
     let causes: [fn(&Case) -> Vec<Diagnosis>; 17] = [
         |case| channels::order_of_events(case).into_iter().collect(),
         // Before cameras, whose places of points depend on indices. Mirrored pictures may show other objects, too.
@@ -408,6 +409,9 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         .find(|found| !found.is_empty())
     {
         return with_independent(case, found);
+    }
+    if is_other_shot {
+        return ratios::ratio(case).into_iter().collect();
     }
     let mut found: Vec<Diagnosis> = channels::texture(case).into_iter().collect();
     found.extend(frames::beginnings(case));

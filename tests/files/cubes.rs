@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use nullray::io::cube::{self, Axes, Cube, CubeSamples, Transfer, Wanted};
+use nullray::io::cube::{self, Axes, Bricks, Cube, CubeSamples, Transfer, Wanted};
 use nullray::io::image::{Channel, Layers, exr, png};
-use nullray::scene::model::{SourceKind, TimeBins};
+use nullray::scene::model::{CubeData, SourceKind, TimeBins};
 use nullray::scene::{self, Overrides};
 
 fn load(path: &Path, axes: Option<&str>, transfer: Option<Transfer>) -> Result<Cube, String> {
@@ -511,5 +511,53 @@ fn dead_bins_are_filled_on_the_way_to_another_file() {
         };
         let error = cube::load(&a, wanted).unwrap_err().to_string();
         assert!(error.contains(wrong), "{error}");
+    }
+}
+
+/// A line in time comes back, from energies and from densities, where cubes are in memory and on disk.
+#[test]
+fn dead_bins_of_different_widths_are_filled_as_densities() {
+    let folder = tempfile::tempdir().unwrap();
+    let edges = [1.0, 1.1, 1.2, 1.3, 2.3, 2.4, 2.5, 3.5];
+    let dead = [3, 4];
+    for (values, of_energy) in [("per_bin", 1.0), ("density", 0.0)] {
+        for slope in [0.0, 4.0] {
+            // The mean of 10 + slope t over a bin, and what the bin holds.
+            let held = |bin: &[f64]| {
+                let density = 10.0 + slope * 0.5 * (bin[0] + bin[1]);
+                density * (bin[1] - bin[0]).powf(of_energy)
+            };
+            let expected: Vec<f64> = edges.windows(2).map(held).collect();
+            let mut samples = expected.clone();
+            for bin in dead {
+                samples[bin] = 0.0;
+            }
+            let cube = Cube::new([1, 1, 7, 1], CubeSamples::F64(samples)).unwrap();
+            nullray::io::image::npz::write_cube(&folder.path().join("a.npy"), &cube).unwrap();
+            let text = format!(
+                "[camera]\neye = [0, 1, 5]\nlook_at = [0, 0, 0]\nsize = [8, 8]\n[[object]]\nshape = {{ plane = {{ size = [1, 1] }} }}\n\
+                 [[source]]\ncube = {{ file = \"a.npy\", edges = {:?}, dead_bins = {dead:?}, values = \"{values}\" }}\n",
+                edges.map(|edge| format!("{edge} m"))
+            );
+            let scene = scene::parse(&text, "a.toml", folder.path(), &Overrides::default());
+            let SourceKind::Cube(source) = scene.unwrap().sources.remove(0).kind else {
+                panic!("no cube");
+            };
+            let CubeData::File(file) = &source.data else {
+                panic!("no file");
+            };
+            let wanted = file.wanted(None);
+            let loaded = cube::load(&file.path, wanted).unwrap();
+            let mut line = [0.0; 7];
+            let on_disk = Bricks::open(&file.path, wanted, 9 << 20).unwrap();
+            on_disk.samples(&mut Default::default(), 0, 0, &mut line);
+            for (bin, expected) in expected.iter().enumerate() {
+                assert!(
+                    (loaded.total(0, bin) - expected).abs() < 1e-12,
+                    "{values} {slope} {bin}"
+                );
+                assert_eq!(loaded.total(0, bin), line[bin]);
+            }
+        }
     }
 }

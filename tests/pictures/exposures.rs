@@ -8,6 +8,8 @@ use std::path::Path;
 use crate::common::arrays::array_at;
 use crate::common::frames::data;
 use glam::DVec3;
+use nullray::io::cube::{Cube, CubeSamples};
+use nullray::io::image::npz;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -182,4 +184,44 @@ fn means_over_parts_of_an_exposure_match_the_transient_renderer_with_fewer_sampl
     let moments = score(&few, "exp_static");
     let means = score(&integrated(few), "exp_static");
     assert!(means < 0.7 * moments, "{means} {moments}");
+}
+
+/// A plane 2 m below the camera shows light that left it from 1 to 2 m.
+#[test]
+fn exposures_record_the_energies_of_their_bins_whatever_the_widths() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = |energies: &[f64], keys: &str| {
+        let lines = energies.iter().cycle().take(4 * energies.len()).copied();
+        let cube = Cube::new([2, 2, energies.len(), 1], CubeSamples::F64(lines.collect()));
+        npz::write_cube(&folder.path().join("a.npy"), &cube.unwrap()).unwrap();
+        let text = format!(
+            "[camera]\neye = [0, 2, 0]\nlook_at = [0, 0, 0]\nup = [0, 0, -1]\nhfov = \"0.001 deg\"\nsize = [2, 2]\n\
+             time = \"3 m\"\nshutter = {{ duration = \"1 m\", records = \"energy\", integration = \"means\" }}\n\
+             [[object]]\nshape = {{ plane = {{ size = [4, 4] }} }}\n\
+             [[source]]\ncube = {{ file = \"a.npy\", filter = \"nearest\", {keys} }}\n"
+        );
+        let scene = scene::parse(&text, "a.toml", folder.path(), &Overrides::default());
+        picture(&scene.unwrap())
+    };
+    let table = |edges: &mut dyn Iterator<Item = f64>| {
+        let edges: Vec<String> = edges.map(|edge| format!("\"{edge:?} m\"")).collect();
+        format!("edges = [{}]", edges.join(", "))
+    };
+    let energies: Vec<f64> = (0..20).map(|bin| f64::from(bin * bin % 7)).collect();
+    let expected: f64 = energies[10..].iter().sum();
+    let uniform = recorded(&energies, "bin_width = \"0.1 m\"");
+    assert!((uniform[0] - expected).abs() < 1e-6, "{uniform:?}");
+    // Times as a table in centimetres has them, and as one in single precision.
+    let exact = table(&mut (0..=20).map(|edge| 0.01 * f64::from(10 * edge)));
+    let single = table(&mut (0..=20).map(|edge| f64::from(0.1 * edge as f32)));
+    for table in [exact, single] {
+        for (found, uniform) in recorded(&energies, &table).into_iter().zip(&uniform) {
+            assert!((found - uniform).abs() < 1e-5, "{table}: {found} {uniform}");
+        }
+    }
+    let uneven = table(&mut [0.0, 0.3, 0.5, 1.0, 1.2, 1.25, 1.6, 2.0, 2.5].into_iter());
+    let energies: Vec<f64> = (1..=8).map(f64::from).collect();
+    for found in recorded(&energies, &uneven) {
+        assert!((found - (4.0 + 5.0 + 6.0 + 7.0)).abs() < 1e-6, "{found}");
+    }
 }

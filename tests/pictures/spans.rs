@@ -201,3 +201,64 @@ fn long_spans_cost_no_more_than_short_ones() {
         println!("{bins} bins: {one_by_one:.0} ns one by one, {by_sums:.0} ns by prefix sums");
     }
 }
+
+/// Bins from 1 to 3.9 of widths 0.1 to 0.8, with black ends, that hold `energy(from, to)`.
+fn uneven(filter: TimeFilter, energy: impl Fn(f64, f64) -> f64) -> TimeTexture {
+    const EDGES: [f64; 9] = [1.0, 1.1, 1.4, 1.5, 2.3, 2.4, 3.0, 3.7, 3.9];
+    let samples = EDGES.windows(2).map(|bin| energy(bin[0], bin[1])).collect();
+    let cube = Cube::new([1, 1, 8, 1], CubeSamples::F64(samples)).unwrap();
+    let axis = TimeAxis {
+        bins: TimeBins::Edges(EDGES.into()),
+        values: BinValues::PerBin,
+        filter,
+        scale: 1.0,
+    };
+    let outside = Outside {
+        before: Fill::Black,
+        after: Fill::Black,
+        off_texture: Fill::Black,
+        occluded: Fill::Black,
+    };
+    TimeTexture::new(cube, axis, outside).unwrap().with_sums()
+}
+
+#[test]
+fn means_over_bins_of_different_widths_are_those_of_their_light() {
+    let mean = |texture: &TimeTexture, span| {
+        let sampled = texture.mean_uv(DVec2::new(0.5, 0.5), span, &Near::default());
+        (sampled.radiance[0], sampled.coverage)
+    };
+    // Of the quadratic 2 − 3t + 0.7t², by its antiderivative; filters by centres see its mean as the value at the centre.
+    let integral = |t: f64| 2.0 * t - 1.5 * t * t + 0.7 / 3.0 * t * t * t;
+    let quadratic = |t: f64| 2.0 - 3.0 * t + 0.7 * t * t;
+    let by_means = uneven(TimeFilter::CubicMeans, |from, to| {
+        integral(to) - integral(from)
+    });
+    let by_centres = uneven(TimeFilter::Cubic, |from, to| {
+        (to - from) * quadratic(0.5 * (from + to))
+    });
+    let line = |t: f64| 5.0 * t - 0.5 * t * t;
+    let linear = uneven(TimeFilter::Linear, |from, to| line(to) - line(from));
+    // As far inside as no filter reads beyond the ends; and all of one bin, a part of one, one time.
+    for span in [[1.6, 2.2], [1.9, 1.91], [1.45, 2.65], [2.0, 2.0 + 1e-9]] {
+        let of = |f: &dyn Fn(f64) -> f64| (f(span[1]) - f(span[0])) / (span[1] - span[0]);
+        let tolerated = 1e-11 + 1e-15 / (span[1] - span[0]);
+        for texture in [&by_means, &by_centres] {
+            let error = mean(texture, span).0 - of(&integral);
+            assert!(error.abs() < tolerated, "{span:?}: {error:e}");
+        }
+        let error = mean(&linear, span).0 - of(&line);
+        assert!(error.abs() < tolerated, "{span:?}: {error:e}");
+    }
+    assert!((mean(&linear, [2.0, 2.0]).0 - 3.0).abs() < 1e-12);
+    // The nearest filter: all of the light of bins within, and parts of the others.
+    let nearest = uneven(TimeFilter::Nearest, |from, to| from + 10.0 * to);
+    let energy = |from: f64, to: f64| from + 10.0 * to;
+    let whole = energy(1.1, 1.4) + energy(1.4, 1.5) + energy(1.5, 2.3);
+    let (found, coverage) = mean(&nearest, [0.4, 2.35]);
+    let expected = (energy(1.0, 1.1) + whole + 0.5 * energy(2.3, 2.4)) / 1.95;
+    assert!((found / expected - 1.0).abs() < 1e-13, "{found} {expected}");
+    assert!((coverage.before - 0.6 / 1.95).abs() < 1e-13 && coverage.after == 0.0);
+    let (found, _) = mean(&nearest, [1.1, 2.3]);
+    assert!((found / (whole / 1.2) - 1.0).abs() < 1e-13);
+}

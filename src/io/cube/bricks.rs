@@ -226,7 +226,7 @@ impl Bricks {
             let help = "every axis must have a size of at least 1";
             return Err(Error::invalid(path, "", what, help));
         }
-        let dead = DeadBins::new(path, wanted.dead_bins, self.shape[2])?;
+        let dead = DeadBins::new(path, wanted, self.shape[2])?;
         Ok(Bricks {
             dead,
             negative: wanted.negative.unwrap_or(Negative::Keep),

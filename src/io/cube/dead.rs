@@ -1,5 +1,8 @@
 //! Bins in which a sensor counted nothing: each is interpolated linearly between its nearest live neighbours in time; before the first
 //! live bin and after the last, it repeats that bin.
+//!
+//! Where bins differ in width, the interpolation is that of densities a/s at the centres c of bins, s being the width of bins that hold
+//! energies and 1 for densities: a = s ((1 − f) a₀/s₀ + f a₁/s₁), f = (c − c₀)/(c₁ − c₀).
 
 use std::ops::Range;
 use std::path::Path;
@@ -7,6 +10,7 @@ use std::path::Path;
 use half::f16;
 
 use super::samples::{Cube, CubeSamples};
+use super::wanted::Wanted;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 
@@ -14,13 +18,28 @@ use crate::io::npy::Dtype;
 #[derive(Debug, Clone, Default)]
 pub(super) struct DeadBins(Vec<Dead>);
 
-/// A dead bin: (1 − part) times the live bin before it plus part times the one after it.
+/// A dead bin: the live bins before and after it, with their weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Dead {
     bin: usize,
     before: usize,
     after: usize,
-    part: f64,
+    weights: [f64; 2],
+}
+
+/// The centres of bins of different widths, each with the width of energies, or 1 for densities; as bits, which can be compared and hashed.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct BinSizes(Vec<[u64; 2]>);
+
+impl FromIterator<[f64; 2]> for BinSizes {
+    fn from_iter<I: IntoIterator<Item = [f64; 2]>>(sizes: I) -> BinSizes {
+        BinSizes(
+            sizes
+                .into_iter()
+                .map(|both| both.map(f64::to_bits))
+                .collect(),
+        )
+    }
 }
 
 impl DeadBins {
@@ -28,7 +47,13 @@ impl DeadBins {
     ///
     /// # Errors
     /// A bin that does not exist; no live bin.
-    pub fn new(path: &Path, dead: &[usize], bins: usize) -> Result<DeadBins> {
+    pub fn new(path: &Path, wanted: Wanted, bins: usize) -> Result<DeadBins> {
+        let dead = wanted.dead_bins;
+        let sizes = wanted.bin_sizes.filter(|sizes| sizes.0.len() == bins);
+        let size = |bin: usize| match sizes {
+            Some(sizes) => sizes.0[bin].map(f64::from_bits),
+            None => [bin as f64, 1.0],
+        };
         let mut is_dead = vec![false; if dead.is_empty() { 0 } else { bins }];
         for bin in dead {
             let Some(flag) = is_dead.get_mut(*bin) else {
@@ -54,15 +79,19 @@ impl DeadBins {
             let after = (bin..bins).find(|other| !is_dead[*other]);
             // At an end of the axis both are the same live bin, and the line is constant.
             let [first, last] = [before.or(after), after.or(before)].map(|bin| bin.unwrap_or(0));
+            let [[own, wide], [from, wide_first], [to, wide_last]] = [bin, first, last].map(size);
             let part = match last - first {
                 0 => 0.0,
-                apart => (bin - first) as f64 / apart as f64,
+                _ => (own - from) / (to - from),
             };
             Dead {
                 bin,
                 before: first,
                 after: last,
-                part,
+                weights: [
+                    (1.0 - part) * (wide / wide_first),
+                    part * (wide / wide_last),
+                ],
             }
         };
         let dead = (0..is_dead.len()).filter(|bin| is_dead[*bin]);
@@ -135,7 +164,7 @@ impl DeadBins {
 
 impl Dead {
     fn between(&self, before: f64, after: f64) -> f64 {
-        (1.0 - self.part) * before + self.part * after
+        self.weights[0] * before + self.weights[1] * after
     }
 }
 

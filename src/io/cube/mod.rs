@@ -51,6 +51,7 @@ pub use byte_order::{ByteOrder, Sign};
 pub use channels::{Channels, CubeChannel};
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
+pub use dead::BinSizes;
 pub use format::{ByPath, CubeFormat};
 pub(crate) use negative::Counted;
 pub use negative::{BelowZero, Negative};

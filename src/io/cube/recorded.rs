@@ -54,19 +54,14 @@ pub(super) fn of_archive(path: &Path, array: Option<&str>) -> Option<Recorded> {
     }
     let metadata = npy::load_metadata(path)?;
     let text = |key: &str| metadata.get(key).and_then(Value::as_str).map(str::to_owned);
-    let backs = text(BACKS);
-    let Some(times) = times(&metadata) else {
-        return Some(Recorded {
-            backs,
-            ..Recorded::default()
-        });
-    };
+    let times = times(&metadata);
     Some(Recorded {
-        times: Some(times),
+        times,
         clock: text(CLOCK),
-        backs,
-        quantity: text(QUANTITY),
-        medium_index: number(&metadata, INDEX),
+        backs: text(BACKS),
+        // Pictures have these, too.
+        quantity: times.and_then(|_| text(QUANTITY)),
+        medium_index: times.and_then(|_| number(&metadata, INDEX)),
     })
 }
 
@@ -85,13 +80,17 @@ fn number(metadata: &Map<String, Value>, key: &str) -> Option<f64> {
 }
 
 impl Recorded {
-    /// The metadata that say the same: without those of backs, whose rows may be gone.
+    /// The metadata that say the same.
     pub(super) fn metadata(&self) -> Vec<(String, String)> {
         let times = self.times.into_iter();
         let times = times.flat_map(|times| [(START, times.start), (WIDTH, times.width)]);
         let numbers = times.chain(self.medium_index.map(|index| (INDEX, index)));
         let numbers = numbers.map(|(key, value)| (key, value.to_string()));
-        let texts = [(CLOCK, &self.clock), (QUANTITY, &self.quantity)];
+        let texts = [
+            (CLOCK, &self.clock),
+            (QUANTITY, &self.quantity),
+            (BACKS, &self.backs),
+        ];
         let texts = texts.into_iter();
         let texts = texts.filter_map(|(key, text)| Some((key, text.clone()?)));
         let pairs = numbers.chain(texts);

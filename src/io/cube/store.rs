@@ -90,7 +90,7 @@ impl Store {
         number: Number,
     ) -> Result<Store> {
         Ok(Store {
-            dead: DeadBins::new(path, wanted.dead_bins, shape[2])?,
+            dead: DeadBins::new(path, wanted, shape[2])?,
             negative: wanted.negative.unwrap_or(Negative::Keep),
             source,
             path: path.to_path_buf(),

@@ -79,7 +79,7 @@ fn mended(mut cube: Cube, path: &Path, wanted: Wanted) -> Result<Cube> {
     if let Some(negative) = wanted.negative {
         negative.apply_to_cube(&mut cube, path)?;
     }
-    DeadBins::new(path, wanted.dead_bins, cube.shape[2])?.mend_cube(&mut cube);
+    DeadBins::new(path, wanted, cube.shape[2])?.mend_cube(&mut cube);
     Ok(cube)
 }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
 use super::channels::Channels;
+use super::dead::BinSizes;
 use super::negative::Negative;
 use super::samples::{Cube, CubeSamples};
 use crate::io::budget::Budget;
@@ -21,6 +22,27 @@ pub struct FileTimes {
     /// Whether times are those of arrival at a sensor whose position only the file knows: they include the path from each point of a
     /// surface to it.
     pub at_sensor: bool,
+}
+
+impl FileTimes {
+    /// The keys of the time axis of which these times say otherwise than `start` and `width`, with both values, metres.
+    pub fn differing(
+        &self,
+        start: f64,
+        width: f64,
+    ) -> impl Iterator<Item = (&'static str, [f64; 2])> {
+        /// Starts that differ by less of a bin, and widths by less of themselves, are the same but for rounding.
+        const SAME_START: f64 = 1e-3;
+        const SAME_WIDTH: f64 = 1e-6;
+        let keys = [
+            ("start", [self.start, start], SAME_START * self.width),
+            ("bin_width", [self.width, width], SAME_WIDTH * self.width),
+        ];
+        let keys = keys.into_iter();
+        keys.filter_map(|(key, [said, used], same)| {
+            ((used - said).abs() > same).then_some((key, [said, used]))
+        })
+    }
 }
 
 /// How the codes of PNG and TIFF pictures encode radiance.
@@ -47,6 +69,8 @@ pub struct Wanted<'a> {
     pub transfer: Option<Transfer>,
     /// Bins in which the sensor counted nothing; they are interpolated from their neighbours in time.
     pub dead_bins: &'a [usize],
+    /// By what these are interpolated where bins differ in width.
+    pub bin_sizes: Option<&'a BinSizes>,
     /// What to do with samples below 0. Default: keep them.
     pub negative: Option<Negative>,
     /// The memory limit for pictures and their decoded data, bytes. Default: 16 GiB.

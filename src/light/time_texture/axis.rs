@@ -41,7 +41,7 @@ pub struct TimeAxis {
 impl From<&CubeSource> for TimeAxis {
     fn from(source: &CubeSource) -> TimeAxis {
         TimeAxis {
-            bins: source.bins.clone(),
+            bins: source.bins.evenly(),
             values: source.values,
             filter: source.filter,
             scale: source.scale,
@@ -139,6 +139,7 @@ pub(super) enum Reading {
 pub(super) struct Timeline {
     pub start: f64,
     pub end: f64,
+    /// By the narrowest bin.
     pub bins_per_metre: f64,
     pub bins: usize,
     pub reading: Reading,
@@ -152,7 +153,7 @@ impl Timeline {
         Ok(Timeline {
             start: axis.end(0),
             end: axis.end(bins),
-            bins_per_metre: 1.0 / axis.bins.width(),
+            bins_per_metre: 1.0 / axis.bins.least_width(),
             bins,
             reading: match &axis.bins {
                 TimeBins::Uniform { .. } => Reading::Uniform(axis.filter),

@@ -14,19 +14,22 @@
 //!
 //! Each Φ is 0 up to −3 and 1 from 3 on, so bins that far inside all have the weight 1/(b₁ − b₀): their sum is a difference of prefix
 //! sums. These are stored at every 16th bin, which takes an eighth of the memory of f64 samples, each as a sum of two f64, so that a
-//! faint tail keeps its digits after a bright peak. Without them (for cubes on disk) all bins are added one by one: the same result, more
-//! slowly.
+//! faint tail keeps its digits after a bright peak. Without them (for cubes on disk) all bins are added one by one: the same but for rounding,
+//! more slowly.
 //!
 //! Φ is rounded by about 2⁻⁵³, and its difference, over a length of few bins ℓ, by 2⁻⁵³/ℓ of the mean; the value in the middle differs from
 //! the mean by at most ℓ/4 of the steepest kink, that of the linear filter. So shorter spans than 2⁻²⁶ are read in their middle. The nearest
 //! filter jumps: its bins share such a span by their exact parts of it. Spans that begin and end at one number, as the spacing of f64 at
 //! late times can be longer than an exposure, are moments.
 //!
+//! If widths differ, bins have weights of their own: the sums of those of the lookups that make up the mean (`irregular`).
+//!
 //! Times beyond the data follow the policy, weighted by the fraction of the span that is there.
 
 use rayon::prelude::*;
 
 use super::axis::{Moment, Phase, Reading, Timeline};
+use super::irregular::Irregular;
 use super::near::Near;
 use super::weights::BinWeights;
 use crate::io::cube::{Cube, CubeStore};
@@ -58,9 +61,11 @@ pub(super) struct Span {
     /// Bins with weights of their own.
     ends: [(usize, f64); ENDS],
     count: usize,
-    /// Bins that all have the weight `full_weight`.
+    /// Bins that all have the weight `full_weight`, or that times their own.
     full: std::ops::Range<usize>,
     full_weight: f64,
+    /// The weights of the bins `full` if widths differ.
+    own: Vec<f64>,
     /// The fractions of the span before, inside and after the data.
     pub parts: [f64; 3],
 }
@@ -145,16 +150,17 @@ fn integral(filter: TimeFilter, x: f64) -> f64 {
 }
 
 impl Timeline {
-    /// The reads for the times from `from` to `to`, which must be finite and ascending; `None` if bins differ in width.
-    pub(super) fn span(&self, from: f64, to: f64) -> Option<Span> {
-        let Reading::Uniform(filter) = self.reading else {
-            return None;
+    /// The reads for the times from `from` to `to`, which must be finite and ascending.
+    pub(super) fn span(&self, from: f64, to: f64) -> Span {
+        let filter = match &self.reading {
+            Reading::Uniform(filter) => *filter,
+            Reading::Irregular(bins) => return self.irregular_span(bins, from, to),
         };
         let last = self.bins as f64;
         let [b0, b1] = [from, to].map(|t| (t - self.start) * self.bins_per_metre);
         let length = b1 - b0;
         if !length.is_normal() {
-            return Some(Span::at(self.moment(from)));
+            return Span::at(self.moment(from));
         }
         let before = (b1.min(0.0) - b0).max(0.0) / length;
         let after = (b1 - b0.max(last)).max(0.0) / length;
@@ -163,6 +169,7 @@ impl Timeline {
             count: 0,
             full: 0..0,
             full_weight: 1.0 / length,
+            own: Vec::new(),
             parts: [before, (1.0 - before - after).max(0.0), after],
         };
         // Far beyond held ends the value is that of the end.
@@ -186,7 +193,39 @@ impl Timeline {
                 span.push(bin, length);
             }
         }
-        Some(span)
+        span
+    }
+
+    #[cold]
+    fn irregular_span(&self, bins: &Irregular, from: f64, to: f64) -> Span {
+        let length = to - from;
+        if !length.is_normal() {
+            return Span::at(self.moment(from));
+        }
+        let before = (to.min(self.start) - from).max(0.0) / length;
+        let after = (to - from.max(self.end)).max(0.0) / length;
+        let mut span = Span {
+            full_weight: 1.0,
+            parts: [before, (1.0 - before - after).max(0.0), after],
+            ..Span::default()
+        };
+        for (time, part) in bins.times_between(from, to) {
+            let read = self.moment(time).bins;
+            if read.count == 0 {
+                continue;
+            }
+            // Times ascend, and so do the first bins that they read.
+            if span.own.is_empty() {
+                span.full = read.first..read.first;
+            }
+            let first = read.first - span.full.start;
+            span.full.end = span.full.end.max(read.first + read.count);
+            span.own.resize(span.full.len(), 0.0);
+            let own = span.own[first..].iter_mut().zip(read.weights);
+            own.take(read.count)
+                .for_each(|(own, weight)| *own += part * weight);
+        }
+        span
     }
 
     /// The same as [`Timeline::read`] for a short range.
@@ -312,7 +351,7 @@ impl Span {
     /// The number of bins of a texel that it reads, with prefix sums or one by one.
     pub fn bins_read(&self, by_sums: bool) -> usize {
         let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);
-        let summed = if by_sums && first < last {
+        let summed = if by_sums && self.own.is_empty() && first < last {
             (last - first) * BLOCK
         } else {
             0
@@ -343,6 +382,9 @@ impl Span {
         let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);
         // Whole blocks by prefix sums, and the full bins before and after them one by one.
         let full = match sums {
+            _ if !self.own.is_empty() => (self.full.clone().zip(&self.own))
+                .map(|(bin, weight)| weight * value(bin))
+                .sum(),
             Some(sums) if first < last => {
                 direct(self.full.start..first * BLOCK)
                     + sums.between(texel, first, last, channel)
@@ -355,62 +397,4 @@ impl Span {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::weights::{catmull_rom, less_curvature};
-    use super::*;
-
-    const FILTERS: [TimeFilter; 4] = [
-        TimeFilter::Nearest,
-        TimeFilter::Linear,
-        TimeFilter::Cubic,
-        TimeFilter::CubicMeans,
-    ];
-
-    /// φ from the weights of lookups: the weight of the bin whose centre is x before the time.
-    fn kernel(filter: TimeFilter, x: f64) -> f64 {
-        let (k, f) = (x.floor(), x - x.floor());
-        // Bin 0 is the n-th of the run, which begins k − n bins before that of the time.
-        let of = |weights: &[f64], lead: f64| {
-            let n = lead - k;
-            match n >= 0.0 && (n as usize) < weights.len() {
-                true => weights[n as usize],
-                false => 0.0,
-            }
-        };
-        match filter {
-            TimeFilter::Nearest => f64::from((-0.5..0.5).contains(&x)),
-            TimeFilter::Linear => of(&[1.0 - f, f], 0.0),
-            TimeFilter::Cubic => of(&catmull_rom(f), 1.0),
-            TimeFilter::CubicMeans => of(&less_curvature(catmull_rom(f)), 2.0),
-        }
-    }
-
-    #[test]
-    fn integrals_are_those_of_the_weights_of_lookups() {
-        const STEPS: i32 = 4000;
-        for filter in FILTERS {
-            let mut sum = 0.0;
-            for n in -4 * STEPS..4 * STEPS {
-                let x = (f64::from(n) + 0.5) / f64::from(STEPS);
-                sum += kernel(filter, x) / f64::from(STEPS);
-                let end = f64::from(n + 1) / f64::from(STEPS);
-                let error = integral(filter, end) - sum;
-                assert!(error.abs() < 1e-6, "{filter:?} {end}: {error}");
-            }
-            assert_eq!(integral(filter, -3.0), 0.0, "{filter:?}");
-            assert!((integral(filter, 3.0) - 1.0).abs() < 1e-15, "{filter:?}");
-        }
-    }
-
-    #[test]
-    fn prefix_sums_keep_the_digits_of_a_tail_after_a_peak() {
-        let mut samples = vec![1e-9; 64];
-        samples[3] = 1e9;
-        samples[9] = 0.1;
-        let cube = Cube::new([1, 1, 64, 1], crate::io::cube::CubeSamples::F64(samples)).unwrap();
-        let sums = PrefixSums::new(&cube);
-        let tail = sums.between(0, 1, 4, 0);
-        assert!((tail / 48e-9 - 1.0).abs() < 1e-14, "{tail}");
-        assert_eq!(PrefixSums::bytes(cube.shape), 16 * sums.sums.len() as u64);
-    }
-}
+mod tests;

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use crate::scene::model::{CubeBacks, Fill, Outside, Reconstruction};
 
 use super::axis::TimeAxis;
-use super::axis::{Moment, Phase, Reading, Timeline};
+use super::axis::{Moment, Phase, Timeline};
 use super::bilinear::{Tap, taps};
 use super::capture::{Aim, Capture, CapturePoint};
 use super::coverage::Coverage;
@@ -85,6 +85,16 @@ impl When for Moment {
     fn parts(&self) -> [(Phase, f64); 3] {
         let part = |phase| (phase, f64::from(self.phase == phase));
         [part(Phase::Before), part(Phase::Inside), part(Phase::After)]
+    }
+}
+
+impl<W: When> When for &W {
+    fn texel(&self, texture: &TimeTexture, texel: usize, near: &Near) -> [f64; 3] {
+        W::texel(self, texture, texel, near)
+    }
+
+    fn parts(&self) -> [(Phase, f64); 3] {
+        W::parts(self)
     }
 }
 
@@ -213,22 +223,16 @@ impl TimeTexture {
         [width, height]
     }
 
-    /// The number of bins in this much time, by their mean width if they differ.
+    /// The number of bins in this much time, by the narrowest.
     pub fn bins_in(&self, time: f64) -> f64 {
         time * self.timeline.bins_per_metre
-    }
-
-    /// Whether means over time spans include all their bins: only if all bins have one width.
-    pub fn reads_spans(&self) -> bool {
-        matches!(self.timeline.reading, Reading::Uniform(_))
     }
 
     /// The number of bytes that a lookup reads, by texture coordinates or at a located point, at a moment or over a span; an upper bound,
     /// because taps without weight are skipped.
     pub fn bytes_of_lookup(&self, located: Option<&Located>, span: Option<[f64; 2]>) -> u64 {
-        let span = span.and_then(|[from, to]| self.timeline.span(from, to));
         let bins = match span {
-            Some(span) => span.bins_read(self.sums.is_some()),
+            Some([from, to]) => (self.timeline.span(from, to)).bins_read(self.sums.is_some()),
             None => bins_of(self.axis.filter),
         };
         // A pixel that is read as a mean takes its four neighbours along.
@@ -267,17 +271,14 @@ impl TimeTexture {
         }
     }
 
-    /// The mean of [`TimeTexture::sample_uv`] over the times from `from` to `to`, which ascend. If bins differ in width, it is the value
-    /// in the middle of that time.
+    /// The mean of [`TimeTexture::sample_uv`] over the times from `from` to `to`, which ascend.
     pub fn mean_uv(&self, uv: DVec2, [from, to]: [f64; 2], near: &Near) -> Sampled {
-        let Some(span) = self.timeline.span(from, to) else {
-            return self.sample_uv_near(uv, 0.5 * (from + to), near);
-        };
+        let span = self.timeline.span(from, to);
         let [width, height] = self.size();
         let on_texture = uv.x >= 0.0 && uv.x <= 1.0 && uv.y >= 0.0 && uv.y <= 1.0;
         let read = || {
             let taps = taps(uv.x * width as f64, uv.y * height as f64, width, height);
-            self.gather(&taps, |_| span.clone(), near)
+            self.gather(&taps, |_| &span, near)
         };
         if on_texture {
             read()
@@ -299,18 +300,13 @@ impl TimeTexture {
             let delay = capture.delay_of(texel);
             self.timeline.span(from + delay, to + delay)
         };
-        // Places without data are filled as at a moment.
-        let middle = || self.sample_located(capture, located, 0.5 * (from + to), occluded, near);
-        if occluded || span(0).is_none() {
-            return middle();
-        }
-        let when = |texel| span(texel).unwrap_or_default();
         match &located.0 {
-            Spot::Seen(_, taps, _) => self.gather(taps, when, near),
-            Spot::Sharp(place, taps, _, all) => {
-                self.sample_means(capture, (*place, *all), taps, when, near)
+            Spot::Seen(_, taps, _) if !occluded => self.gather(taps, span, near),
+            Spot::Sharp(place, taps, _, all) if !occluded => {
+                self.sample_means(capture, (*place, *all), taps, span, near)
             }
-            Spot::Unseen(_) | Spot::Beside(_) | Spot::Behind => middle(),
+            // Places without data are filled as at a moment.
+            _ => self.sample_located(capture, located, 0.5 * (from + to), occluded, near),
         }
     }
 

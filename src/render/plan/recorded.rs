@@ -35,13 +35,8 @@ fn keys(cube: &CubeSource) -> Difference {
         by_scene.push(format!("{key} = \"{scene}\""));
     };
     if let Some(times) = cube.recorded.times {
-        let [start, width] = [cube.bins.edge(0), cube.bins.width()];
-        let metres = |time: f64| format!("{} m", number(time));
-        if (start - times.start).abs() > SAME_START * times.width {
-            differ("start", [times.start, start].map(metres));
-        }
-        if (width - times.width).abs() > SAME_WIDTH * times.width {
-            differ("bin_width", [times.width, width].map(metres));
+        for (key, both) in times.differing(cube.bins.edge(0), cube.bins.width()) {
+            differ(key, both.map(|time| format!("{} m", number(time))));
         }
     }
     let clock = cube.recorded.clock.as_deref();
@@ -55,10 +50,6 @@ fn keys(cube: &CubeSource) -> Difference {
         ]
     })
 }
-
-/// Starts that differ by less of a bin, and widths by less of themselves, are the same but for rounding.
-const SAME_START: f64 = 1e-3;
-const SAME_WIDTH: f64 = 1e-6;
 
 fn quantity(source: &Source, cube: &CubeSource) -> Difference {
     let said = cube.recorded.quantity.as_ref()?;

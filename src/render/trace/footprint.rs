@@ -33,7 +33,7 @@
 //! If |α| + |β| is at most one bin, the part is read at t. Otherwise the mean over (u, v) is that with a trapezoid in time, the convolution of boxes with
 //! lengths α and β. The longer box is the mean over a span, by prefix sums, for any number of bins. The side of the shorter one is split into parts of one
 //! bin, up to 16: then the slopes of the trapezoid become stairs of 16 steps, which leave less than 2/(12·16²) < 1/1000 of the variance of noise between
-//! bins. If bins differ in width, such means over spans do not exist: all sides are split into parts of a mean bin, up to 64.
+//! bins. If bins differ in width, lengths are in the narrowest.
 //!
 //! **Exposures.** If samples average over an exposure, the camera's time is a third side, from a ray through the same film point 2⁻¹⁰ of the
 //! exposure sooner or later. If camera and object move relative to each other, the seen point slides: the side has a length in texels, and the
@@ -235,10 +235,9 @@ impl Footprint {
                 0,
                 |most, k| if of_part[k] > of_part[most] { k } else { most },
             );
-            span = texture.reads_spans().then_some(longest);
-            let most = if span.is_some() { STEPS } else { MOST };
-            for k in (0..3).filter(|k| span != Some(*k)) {
-                count[k] = count[k].max(parts(bins[k], most));
+            span = Some(longest);
+            for k in (0..3).filter(|k| *k != longest) {
+                count[k] = count[k].max(parts(bins[k], STEPS));
             }
         }
         Split {

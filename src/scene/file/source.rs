@@ -72,7 +72,7 @@ pub(in crate::scene) struct Cube {
     /// The same from a file.
     pub edges_file: Option<At<EdgesFile>>,
     /// Bins in which the sensor counted nothing, counted from 0: each is interpolated linearly between its nearest live neighbours in
-    /// time.
+    /// time, by energies per metre where widths differ.
     pub dead_bins: Option<Vec<usize>>,
     /// What to do with samples below 0, which occur in data with a background subtracted: "keep" (they are read as they are, so that
     /// means over many samples are correct), "zero", or "refuse". Default: keep, with a warning that counts them.
@@ -98,7 +98,7 @@ pub(in crate::scene) struct Cube {
     pub uv: Option<At<u32>>,
     /// What the backs of surfaces show, if they are visible: "as_front" (the same light), "black", or "second_half" (their own light:
     /// rows from H/2 on belong to backs, at the same texture coordinates), as written by `bake`; or "as_baked": which of these the .npz
-    /// file of `bake` says. Excludes `capture`. Default: "as_front".
+    /// file of `bake` says; refused if it says none. Excludes `capture`. Default: "as_front".
     pub backs: Option<At<Backs>>,
     /// Surface points address the cube by projection into the camera that captured it, if it saw them. Excludes `uv`.
     pub capture: Option<At<Capture>>,

@@ -127,7 +127,7 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         false => time_axis(cx, at, recorded)?,
     };
     let channels = channels(cx, cube)?;
-    let data = data(cx, cube, axes)?;
+    let data = data(cx, cube, axes, &time)?;
     let mapping = mapping(cx, cube, &recorded)?;
     let clock = clock(cx, cube, &recorded, &mut time.read)?;
     Ok(CubeSource {
@@ -372,7 +372,7 @@ fn channels(cx: &Context, cube: &file::Cube) -> Result<Option<Channels>> {
     Ok(Some(channels))
 }
 
-fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData> {
+fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>, time: &TimeKeys) -> Result<CubeData> {
     let memory = &cx.inputs.memory;
     let alone = |what| {
         let refuse = |array| cx.refuse(array, what, "leave `array` out, or name an .npz file");
@@ -422,12 +422,24 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
         )?;
     }
     let array = cx.optional_text(&cube.array, "the array's name")?;
+    let dead_bins = cube.dead_bins.clone().unwrap_or_default();
+    let size = |edges: &[f64]| match time.values {
+        BinValues::PerBin => [0.5 * (edges[0] + edges[1]), edges[1] - edges[0]],
+        BinValues::Density => [0.5 * (edges[0] + edges[1]), 1.0],
+    };
+    let bin_sizes = match time.bins.evenly() {
+        TimeBins::Edges(edges) if !dead_bins.is_empty() => {
+            Some(edges.windows(2).map(size).collect())
+        }
+        _ => None,
+    };
     Ok(CubeData::File(CubeFile {
         path,
         array,
         axes,
         transfer: cube.transfer.as_ref().map(|at| at.value),
-        dead_bins: cube.dead_bins.clone().unwrap_or_default(),
+        dead_bins,
+        bin_sizes,
         negative: cube.negative.as_ref().map(|at| at.value),
     }))
 }
@@ -451,13 +463,18 @@ fn mapping(cx: &Context, cube: &file::Cube, recorded: &Recorded) -> Result<Mappi
     if let Some(camera) = &cube.capture {
         return capture(cx, camera).map(Mapping::Capture);
     }
-    let backs = match cube.backs.as_ref().map(|at| at.value) {
-        None | Some(file::Backs::AsFront) => CubeBacks::AsFront,
-        Some(file::Backs::Black) => CubeBacks::Black,
-        Some(file::Backs::SecondHalf) => CubeBacks::SecondHalf,
-        Some(file::Backs::AsBaked) => {
-            let said = recorded.backs.as_deref();
-            said.and_then(CubeBacks::named).unwrap_or_default()
+    let backs = match cube.backs.as_ref().map(|at| (at, at.value)) {
+        None | Some((_, file::Backs::AsFront)) => CubeBacks::AsFront,
+        Some((_, file::Backs::Black)) => CubeBacks::Black,
+        Some((_, file::Backs::SecondHalf)) => CubeBacks::SecondHalf,
+        Some((at, file::Backs::AsBaked)) => {
+            let said = recorded.backs.as_deref().and_then(CubeBacks::named);
+            let unsaid = || {
+                let what = format!("{} does not say what backs show", quoted(&cube.file.value));
+                let help = "give \"as_front\", \"black\" or \"second_half\": only files that `nullray bake` and `nullray convert` wrote can say it";
+                cx.refuse(at, what, help)
+            };
+            said.ok_or_else(unsaid)?
         }
     };
     let Some(uv) = &cube.uv else {

@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use crate::camera;
 use crate::scene::model::{
-    Assembly, BackFaces, BinValues, Clock, CubeBacks, Effects, Elements, Equations, Outside, Pivot,
-    ProjectionKind, Reconstruction, Records, TimeFilter,
+    Assembly, BackFaces, BinValues, CaptureChoice, Clock, CubeBacks, Effects, Elements, Equations,
+    Outside, Pivot, ProjectionKind, Reconstruction, Records, TimeFilter,
 };
 
 /// (ct, x, y, z), metres.
@@ -82,6 +82,8 @@ pub struct SceneEntry {
     pub undescribed: Vec<&'static str>,
     /// What replaces data that a cube does not have.
     pub outside: Outside,
+    /// Which of several captures of a surface gives its radiance.
+    pub captures: CaptureChoice,
     /// Samples per pixel of the scene's own pictures; the reference here has one, at the pixel's centre.
     pub samples_per_pixel: u32,
 }
@@ -293,7 +295,7 @@ pub enum LightEntry {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct CubeEntry {
-    /// The .npy or .npz file: within the bundle if it was copied, else its original path.
+    /// The .npy or .npz file: within the bundle if it was copied or written there, else its original path.
     pub file: String,
     /// Whether `file` is within the bundle.
     pub is_copied: bool,

@@ -41,6 +41,7 @@ pub(super) fn scene(
         is_lit: scene.is_lit(),
         undescribed,
         outside: scene.outside,
+        captures: scene.captures,
         samples_per_pixel: scene.samples_per_pixel,
     }
 }

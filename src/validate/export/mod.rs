@@ -117,7 +117,7 @@ pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
     Plan::new(scene, &request)
 }
 
-/// The JSON schema (draft 2020-12) of `bundle.json`, as included in each bundle. It is derived from [`Bundle`]; a test compares the two.
+/// The JSON schema (draft 2020-12) of `bundle.json`, as included in each bundle, but without indentation. It is derived from [`Bundle`]; a test compares the two.
 pub const BUNDLE_SCHEMA: &str = include_str!("schema.json");
 
 /// The same, derived from the type.
@@ -196,7 +196,8 @@ fn filled(
     // The description last, because it contains the checksums of all other files.
     files.text(TEXT, &scene.text)?;
     files.text("README.md", README)?;
-    files.text(SCHEMA, BUNDLE_SCHEMA)?;
+    let schema: serde_json::Value = serde_json::from_str(BUNDLE_SCHEMA).unwrap_or_default();
+    files.text(SCHEMA, &format!("{schema:#}\n"))?;
     let mut quantities = scene.sources.iter().map(|source| source.quantity);
     if scene.quantity == Quantity::Rgb || quantities.any(|quantity| quantity == Quantity::Rgb) {
         files.text("rgb_basis.csv", RGB_BASIS)?;

@@ -1,4 +1,5 @@
-//! The sources of a bundle: cubes are copied unchanged, or named with their SHA-256.
+//! The sources of a bundle: cubes are copied unchanged, or named with their SHA-256; those whose samples are mended when they are read
+//! are written as they are then.
 
 use std::collections::HashMap;
 use std::io::{self, Read};
@@ -7,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::bundle::{CubeEntry, LightEntry, SourceEntry};
 use super::{Cubes, Files, describe, stop_if_cancelled};
 use crate::error::{Error, Result};
-use crate::io::cube::{self, Channels, Cube, format_of};
+use crate::io::cube::{self, Channels, Cube, Negative, format_of};
 use crate::io::files;
 use crate::io::image::{npz, write_atomically};
 use crate::render::metadata::sha256_of;
@@ -31,7 +32,7 @@ pub(super) fn write(
             SourceKind::Pulse(pulse) => describe::pulse(pulse),
             SourceKind::Cube(cube) => {
                 let place = match &cube.data {
-                    CubeData::File(file) if is_numpy(file) => {
+                    CubeData::File(file) if is_raw(file) => {
                         stored.place(&file.path, cubes, files)?
                     }
                     CubeData::File(file) => {
@@ -56,20 +57,16 @@ pub(super) fn write(
 
 /// The bundle's description of a cube. A time axis has one width, or edges if widths differ.
 fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntry {
+    let raw = match &cube.data {
+        CubeData::File(file) if is_raw(file) => Some(file),
+        CubeData::File(_) | CubeData::Memory(_) => None,
+    };
     CubeEntry {
         file: place.file,
         is_copied: place.is_copied,
         sha256: place.sha256,
-        array: match &cube.data {
-            CubeData::File(file) => file.array.clone(),
-            CubeData::Memory(_) => None,
-        },
-        axes: match &cube.data {
-            CubeData::File(file) if is_numpy(file) => {
-                file.axes.as_ref().map(|axes| axes.to_string())
-            }
-            CubeData::File(_) | CubeData::Memory(_) => None,
-        },
+        array: raw.and_then(|file| file.array.clone()),
+        axes: raw.and_then(|file| file.axes.as_ref().map(|axes| axes.to_string())),
         shape,
         channels: cube.channels.as_ref().map(Channels::names),
         start: cube.bins.edge(0),
@@ -90,9 +87,10 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
     }
 }
 
-/// Whether these are arrays, which a bundle contains unchanged; everything else is converted to one.
-fn is_numpy(file: &CubeFile) -> bool {
-    cube::format_called(&file.path).is_some_and(|format| format.key == "numpy")
+/// Whether these are arrays whose samples are read as they are, which a bundle contains unchanged; everything else is converted to one.
+fn is_raw(file: &CubeFile) -> bool {
+    let is_numpy = cube::format_called(&file.path).is_some_and(|format| format.key == "numpy");
+    is_numpy && file.dead_bins.is_empty() && file.negative != Some(Negative::Zero)
 }
 
 /// The location of a cube's file.
@@ -125,7 +123,7 @@ impl Stored {
     }
 }
 
-/// Writes the cube of source `index`, which is not in an array file.
+/// Writes the cube of source `index`, which no file holds as it is read.
 fn write_out(cube: &Cube, index: usize, files: &mut Files) -> Result<Place> {
     files.folder.subfolder("sources")?;
     let name = format!("sources/memory-{index:03}.npy");

@@ -291,12 +291,12 @@ fn the_diagram_of_the_reference_scene_is_accepted() {
 fn the_stored_schemas_are_those_of_the_types() {
     use nullray::{figures::diagram, validate::export};
 
-    // Bundles hold theirs as it is stored. The other is stored without indentation, so that the package stays small.
-    let bundle = format!("{:#}\n", export::derived_schema());
-    let scene = format!("{:#}\n", diagram::derived_schema());
-    let scene: String = (scene.lines())
-        .flat_map(|line| [line.trim_start(), "\n"])
-        .collect();
+    // Stored without indentation, so that the package stays small.
+    let [bundle, scene] = [export::derived_schema(), diagram::derived_schema()].map(|schema| {
+        let text = format!("{schema:#}\n");
+        let lines = text.lines().flat_map(|line| [line.trim_start(), "\n"]);
+        lines.collect::<String>()
+    });
     let stored_and_derived = [
         ("src/scene/schema.json", scene),
         ("src/validate/export/schema.json", bundle),

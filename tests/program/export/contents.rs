@@ -128,7 +128,8 @@ fn a_source_says_what_it_measures_and_how_it_lies_on_surface_and_time() {
 fn the_description_has_every_key_that_its_schema_requires_and_no_other() {
     let exported = capture(&ExportOptions::default());
     let stored = fs::read_to_string(exported.path("bundle.schema.json")).unwrap();
-    assert_eq!(stored, BUNDLE_SCHEMA);
+    let lines = stored.lines().flat_map(|line| [line.trim_start(), "\n"]);
+    assert_eq!(lines.collect::<String>(), BUNDLE_SCHEMA);
     let schema = serde_json::from_str(&stored).unwrap();
     agree(&schema, &schema, &exported.bundle.json, "bundle");
 }
@@ -410,5 +411,51 @@ fn a_film_that_is_no_perspective_has_no_tangents() {
         assert!((own - 0.0125).abs() < 1e-15, "{own}");
         let fov = camera["horizontal_fov_rad"].as_f64().unwrap();
         assert!(((0.5 * fov).tan() - 0.8).abs() < 1e-12, "{fov}");
+    }
+}
+
+#[test]
+fn cubes_that_are_mended_when_read_are_in_the_bundle_as_they_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let held = Cube::new(
+        [1, 1, 5, 1],
+        CubeSamples::F64(vec![2.0, 0.0, 6.0, -3.0, 1.0]),
+    );
+    image::npz::write_cube(&folder.path().join("a.npy"), &held.unwrap()).unwrap();
+    let written = |keys: &str, cubes: Cubes| {
+        let text = format!(
+            "{SMALL}[[source]]\ncube = {{ file = \"a.npy\", bin_width = \"1 m\", axes = \"H W T C\"{keys} }}\n"
+        );
+        let options = ExportOptions {
+            reference: false,
+            cubes,
+            ..ExportOptions::default()
+        };
+        let exported = exported_with(&text, folder.path(), &options);
+        let source = exported.bundle.json["sources"][0].clone();
+        let path = exported.path(source["file"].as_str().unwrap());
+        let cube = cube::load(&path, Default::default()).unwrap();
+        let bins: Vec<f64> = (0..5).map(|bin| cube.total(0, bin)).collect();
+        (bins, source["is_copied"] == true, source["axes"].is_null())
+    };
+    let read = (vec![2.0, 4.0, 6.0, 0.0, 1.0], true, true);
+    let keys = ", dead_bins = [1], negative = \"zero\"";
+    for cubes in [Cubes::Copied, Cubes::Referenced] {
+        assert_eq!(written(keys, cubes), read);
+    }
+    let unchanged = vec![2.0, 0.0, 6.0, -3.0, 1.0];
+    let keep = ", negative = \"keep\"";
+    assert_eq!(
+        written(keep, Cubes::Copied),
+        (unchanged.clone(), true, false)
+    );
+    assert_eq!(written(keep, Cubes::Referenced), (unchanged, false, false));
+}
+
+#[test]
+fn a_bundle_says_which_of_several_captures_counts() {
+    for (keys, expected) in [("", "blend"), ("[render]\ncaptures = \"first\"\n", "first")] {
+        let exported = exported(&format!("{SMALL}{keys}"));
+        assert_eq!(exported.bundle.json["scene"]["captures"], expected);
     }
 }

@@ -9,7 +9,6 @@ use nullray::io::gltf;
 use nullray::io::npy::{self, Dtype};
 use nullray::mesh::Mesh;
 use nullray::render::plan::bytes;
-use nullray::spacetime::SPEED_OF_LIGHT;
 use nullray::{Error, Result};
 
 use super::args::{ConvertArguments, SampleType};
@@ -17,6 +16,7 @@ use super::check::Names;
 use super::failure::refused;
 use super::output::extension;
 use super::progress::Bar;
+use super::times::Times;
 use super::{print, warn};
 
 pub fn run(arguments: &ConvertArguments) -> Result<()> {
@@ -28,13 +28,19 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         dead_bins: &arguments.dead_bins,
         negative: arguments.negative.map(Into::into),
         memory: Some(arguments.memory.bytes()),
+        ..Wanted::default()
     };
     let info = cube::inspect(&arguments.input, wanted)?;
     if !arguments.quiet.on {
         warn(false, &info.remarks);
     }
     // Errors are reported before the first sample is read.
-    let times = Times::of(arguments)?;
+    let times = Times::of(
+        (&arguments.input, wanted.array),
+        [&arguments.start, &arguments.bin_width],
+        arguments.medium_index,
+        arguments.quiet.on,
+    )?;
     check_outputs(arguments)?;
     let surface = match &arguments.surface {
         Some(to) => surface(arguments, wanted)?.map(|mesh| (to, mesh)),
@@ -48,13 +54,14 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         merge: arguments.merge.unwrap_or(1) as usize,
         density: arguments.density,
         shift: shift(arguments, &times, [h, w])?,
+        clock: clock(arguments).map(String::from),
         dtype: arguments.sample_type.map(|kind| match kind {
             SampleType::F16 => Dtype::F16,
             SampleType::F32 => Dtype::F32,
             SampleType::F64 => Dtype::F64,
         }),
         axes: arguments.to_axes.clone(),
-        times: times.known(arguments),
+        times: known(&times, arguments),
         memory: arguments.memory.bytes(),
     };
     let bar = Bar::samples(
@@ -101,40 +108,14 @@ fn surface(arguments: &ConvertArguments, wanted: Wanted) -> Result<Option<Mesh>>
     }
 }
 
-/// The time axis of the input, metres, as far as known.
-struct Times {
-    start: Option<f64>,
-    width: Option<f64>,
-    at_sensor: bool,
-    /// The refractive index of the medium in which its light travelled, if the file says it.
-    medium_index: Option<f64>,
-}
-
-impl Times {
-    fn of(arguments: &ConvertArguments) -> Result<Times> {
-        let metres = |time: &Option<_>| {
-            time.as_ref()
-                .map(|time: &nullray::spacetime::units::Time| time.metres(SPEED_OF_LIGHT))
-        };
-        let recorded = cube::recorded(&arguments.input, arguments.array.as_deref())?;
-        let said = recorded.times;
-        Ok(Times {
-            start: metres(&arguments.start).or(said.map(|said| said.start)),
-            width: metres(&arguments.bin_width).or(said.map(|said| said.width)),
-            at_sensor: said.is_some_and(|said| said.at_sensor),
-            medium_index: recorded.medium_index,
-        })
-    }
-
-    /// The whole axis, if it is known.
-    fn known(&self, arguments: &ConvertArguments) -> Option<FileTimes> {
-        let still_at_sensor = self.at_sensor && arguments.unwarp.is_none();
-        Some(FileTimes {
-            start: self.start.filter(|_| !still_at_sensor)?,
-            width: self.width.filter(|width| *width > 0.0)?,
-            at_sensor: false,
-        })
-    }
+/// The whole time axis, if it is known.
+fn known(times: &Times, arguments: &ConvertArguments) -> Option<FileTimes> {
+    let still_at_sensor = times.at_sensor && arguments.unwarp.is_none();
+    Some(FileTimes {
+        start: times.start.filter(|_| !still_at_sensor)?,
+        width: times.width.filter(|width| *width > 0.0)?,
+        at_sensor: false,
+    })
 }
 
 /// Refuses, before any work, outputs that could not be written later, that would be written twice, or that would overwrite an input.
@@ -160,6 +141,12 @@ fn check_outputs(arguments: &ConvertArguments) -> Result<()> {
     names.check(&option, surface)
 }
 
+/// The clock to which the output is turned, if it is.
+fn clock(arguments: &ConvertArguments) -> Option<&'static str> {
+    let unwarped = arguments.unwarp.as_ref().map(|_| "world");
+    unwarped.or(arguments.warp.as_ref().map(|_| "capture"))
+}
+
 /// The delay of each pixel in bins: ∓ η r/w.
 fn shift(
     arguments: &ConvertArguments,
@@ -171,12 +158,25 @@ fn shift(
         (Some(file), _) => (file, -1.0, "--unwarp"),
         (None, Some(file)) => (file, 1.0, "--warp"),
     };
+    // By the file, the path is still in its times, or it is not.
+    let by_arrival = times.clock.as_deref().map(|clock| clock == "capture");
+    if let Some(by_arrival) = by_arrival.filter(|by_arrival| *by_arrival == (sign > 0.0)) {
+        let (times, other) = match by_arrival {
+            true => ("arrival at the camera", "--unwarp subtracts"),
+            false => ("emission", "--warp adds"),
+        };
+        let what = format!(
+            "the times in {} are those of {times} already",
+            arguments.input.display()
+        );
+        let help = format!("leave it out; {other} the path of the light");
+        return Err(refused(option, what, &help));
+    }
     let Some(width) = times.width.filter(|width| *width > 0.0) else {
         let what = "the width of a bin is not known, or not above 0";
         return Err(refused(option, what, "add it, like --bin-width \"0.05 m\""));
     };
-    let said = arguments.medium_index.or(times.medium_index);
-    let index = said.unwrap_or(1.0);
+    let index = times.medium_index.unwrap_or(1.0);
     let distances = distances(file, size, arguments.memory.bytes())?;
     let shift = |distance: f64| match distance > 0.0 && distance.is_finite() {
         true => sign * index * distance / width,
@@ -251,9 +251,10 @@ fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) ->
     let is_as_before = converted.later == 0.0 && converted.merged == 1;
     text += &match (times.start, times.width) {
         (Some(start), Some(width)) => format!(
-            "start = \"{} m\", bin_width = \"{} m\"\n",
+            "start = \"{} m\", bin_width = \"{} m\"{}\n",
             start + converted.later * width,
-            width * merged
+            width * merged,
+            clock(arguments).map_or(String::new(), |clock| format!(", clock = \"{clock}\""))
         ),
         _ if is_as_before => String::new(),
         _ => format!(

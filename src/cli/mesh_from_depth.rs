@@ -9,7 +9,6 @@ use nullray::io::npy;
 use nullray::light::depth::{DepthMesh, FirstLight, Flash, PixelRays, first_light};
 use nullray::scene::model::CaptureCamera;
 use nullray::spacetime::SPEED_OF_LIGHT;
-use nullray::spacetime::units::Time;
 use nullray::{Error, Result};
 
 use super::args::{DepthKind, MeshFromDepthArguments};
@@ -17,6 +16,7 @@ use super::check::Names;
 use super::failure::refused;
 use super::names::named_after;
 use super::output::extension;
+use super::times::Times;
 use super::{print, warn};
 
 /// The default fractions: of a pixel's highest value, above which its first maximum counts; and of the brightest pixel, below which a pixel
@@ -133,10 +133,23 @@ fn by_first_light(
         ));
     };
     // Options take precedence over the file's time axis.
-    let said = cube::times(&arguments.input, arguments.array.as_deref())?;
-    let metres = |time: &Time| time.metres(SPEED_OF_LIGHT);
-    let width = (arguments.bin_width.as_ref().map(metres)).or(said.map(|said| said.width));
-    let Some(width) = width.filter(|width| *width > 0.0 && width.is_finite()) else {
+    let times = Times::of(
+        (&arguments.input, arguments.array.as_deref()),
+        [&arguments.start, &arguments.bin_width],
+        arguments.medium_index,
+        arguments.quiet.on,
+    )?;
+    if let Some(clock) = times.clock.as_ref().filter(|clock| *clock != "capture") {
+        let what = format!(
+            "its times are those of emission (clock = \"{clock}\"), not of arrival at a camera"
+        );
+        let help = "give a cube by the clock of its camera, as `nullray bake --camera` makes it, or `nullray convert --warp`";
+        return Err(Error::invalid(&arguments.input, "", what, help));
+    }
+    let Some(width) = times
+        .width
+        .filter(|width| *width > 0.0 && width.is_finite())
+    else {
         let what = "the width of a bin is not known, or not above 0";
         return Err(refused(
             "--bin-width",
@@ -144,7 +157,6 @@ fn by_first_light(
             "add it, like --bin-width \"0.05 m\"",
         ));
     };
-    let start = (arguments.start.as_ref().map(metres)).or(said.map(|said| said.start));
     // The memory is reserved before anything is read.
     let wanted = Wanted {
         array: arguments.array.as_deref(),
@@ -162,12 +174,13 @@ fn by_first_light(
         peak_fraction: arguments.peak_fraction.unwrap_or(PEAK_FRACTION),
         dark_fraction: arguments.dark_fraction.unwrap_or(DARK_FRACTION),
     };
-    let arrivals = first_light(&cube, start.unwrap_or(0.0), width, &first);
+    let arrivals = first_light(&cube, times.start.unwrap_or(0.0), width, &first);
+    let lamp_time = arguments.lamp_time.as_ref();
     let flash = Flash {
         position,
-        time: arguments.lamp_time.as_ref().map_or(0.0, metres),
+        time: lamp_time.map_or(0.0, |time| time.metres(SPEED_OF_LIGHT)),
     };
-    let distances = rays.distances(&arrivals, &flash, arguments.medium_index.unwrap_or(1.0));
+    let distances = rays.distances(&arrivals, &flash, times.medium_index.unwrap_or(1.0));
     Ok((rays, distances))
 }
 

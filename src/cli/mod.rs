@@ -40,6 +40,7 @@ mod sheet;
 mod stats;
 mod study;
 mod tessellation;
+mod times;
 mod values;
 
 use std::borrow::Cow;

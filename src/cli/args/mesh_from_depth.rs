@@ -58,7 +58,7 @@ pub struct MeshFromDepthArguments {
     /// The order of the cube's axes, like "T H W". Default: "H W T [C]"; for pictures "T H W".
     #[arg(long, value_name = "AXES")]
     pub axes: Option<Axes>,
-    /// Refractive index of the medium. Default: 1.
+    /// Refractive index of the medium. Default: what the file says, or 1.
     #[arg(long, value_name = "N", value_parser = values::positive)]
     pub medium_index: Option<f64>,
     /// Take a pixel's first maximum only above this fraction of its highest value. Default: 0.2.

@@ -489,3 +489,110 @@ fn named_channels_go_through_all_formats_and_come_back() {
     let more = ["convert", "d.npy", "-o", "e.npy", "--channels", "R,G,B,IR"];
     refused(&folder, &more, &["3 channels, and `channels` names 4"]);
 }
+
+/// An array (2, 2) of 0.4 m.
+fn map() -> Vec<u8> {
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }";
+    let mut file = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    file.extend(format!("{header:<117}\n").bytes());
+    file.extend([0.4f64; 4].iter().flat_map(|x| x.to_le_bytes()));
+    file
+}
+
+/// A cube with times from 4 m on, and this beside them.
+fn recording(folder: &Folder, more: [&str; 2]) {
+    let cube = Cube::new([2, 2, 8, 1], CubeSamples::F32(vec![1.0; 32])).unwrap();
+    let said = [["start", "4"], ["bin_width", "0.1"], more];
+    let metadata = said.map(|[key, text]| (key.to_string(), text.to_string()));
+    let options = npz::CubeOptions {
+        metadata: &metadata,
+        ..Default::default()
+    };
+    npz::write_cube_with(&folder.path("a.npz"), &cube, &options).unwrap();
+}
+
+#[test]
+fn the_path_of_light_is_taken_off_and_put_back_once() {
+    let folder = Folder::empty();
+    recording(&folder, ["clock", "capture"]);
+    folder.write("map.npy", map());
+    let clock = |name: &str| cube::recorded(&folder.path(name), None).unwrap().clock;
+    let unwarp = |name: &'static str| ["convert", name, "--unwarp", "map.npy", "-o", "b.npz"];
+    let warp = |name: &'static str| ["convert", name, "--warp", "map.npy", "-o", "c.npz"];
+    refused(&folder, &warp("a.npz"), &["--warp", "arrival", "already"]);
+    let said = folder.ok(&unwarp("a.npz"));
+    // 4 m less the path.
+    assert!(
+        said.contains("start = \"3.6 m\"") && said.contains("clock = \"world\""),
+        "{said}"
+    );
+    assert_eq!(clock("b.npz").as_deref(), Some("world"));
+    refused(
+        &folder,
+        &unwarp("b.npz"),
+        &["--unwarp", "emission", "already"],
+    );
+    folder.ok(&warp("b.npz"));
+    assert_eq!(clock("c.npz").as_deref(), Some("capture"));
+    // A clock is known without the start, too.
+    npz::write_cube(&folder.path("d.npy"), &load(&folder, "a.npz", None)).unwrap();
+    let width = ["--bin-width", "0.1 m"];
+    folder.ok(&[&unwarp("d.npy")[..], &width].concat());
+    refused(
+        &folder,
+        &[&unwarp("b.npz")[..], &width].concat(),
+        &["emission"],
+    );
+}
+
+#[test]
+fn options_that_contradict_the_times_of_a_file_are_used_with_a_warning() {
+    let folder = Folder::empty();
+    recording(&folder, ["medium_index", "1.5"]);
+    folder.write("map.npy", map());
+    let convert = |more: &[&str]| {
+        let command = ["convert", "a.npz", "-o", "b.npz", "--unwarp", "map.npy"];
+        folder.ok(&[&command, more].concat())
+    };
+    let same = ["--start=4 m", "--bin-width=10 cm", "--medium-index=1.5"];
+    let said = convert(&same);
+    assert!(
+        said.contains("start = \"3.4 m\"") && !said.contains("warning"),
+        "{said}"
+    );
+    let said = convert(&["--start=7 m", "--bin-width=20 cm", "--medium-index=1"]);
+    assert!(
+        said.contains("start = \"6.6 m\", bin_width = \"0.2 m\""),
+        "{said}"
+    );
+    for warning in [
+        "a.npz says start = \"4 m\", but the options \"7 m\", which is used",
+        "a.npz says bin_width = \"0.1 m\", but the options \"0.2 m\", which is used",
+        "a.npz says medium_index = \"1.5\", but the options \"1\", which is used",
+    ] {
+        assert!(said.contains(warning), "{warning}: {said}");
+    }
+}
+
+#[test]
+fn what_backs_show_is_kept_with_all_rows_and_asked_for_where_it_is_not_known() {
+    let folder = Folder::empty();
+    recording(&folder, ["backs", "second_half"]);
+    let backs = |name: &str| cube::recorded(&folder.path(name), None).unwrap().backs;
+    folder.ok(&["convert", "a.npz", "-o", "b.npz", "--bins", "2:8"]);
+    folder.ok(&["convert", "a.npz", "-o", "c.npz", "--rows", "0:1"]);
+    assert_eq!(backs("b.npz").as_deref(), Some("second_half"));
+    assert_eq!(backs("c.npz"), None);
+    let scene = |name: &str| {
+        let cube = format!("[[source]]\ncube = {{ file = \"{name}\", backs = \"as_baked\" }}\n");
+        folder.write("s.toml", super::bake::FLASH.to_string() + &cube);
+    };
+    scene("b.npz");
+    folder.ok(&["info", "s.toml"]);
+    scene("c.npz");
+    refused(
+        &folder,
+        &["info", "s.toml"],
+        &["\"c.npz\" does not say what backs show", "as_front"],
+    );
+}

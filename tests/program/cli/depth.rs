@@ -5,7 +5,9 @@ use std::path::Path;
 
 use glam::DVec3;
 use nullray::io::budget::Budget;
+use nullray::io::cube::{Cube, CubeSamples};
 use nullray::io::gltf::{self, BadTextures, BadVertices, Want};
+use nullray::io::image::npz;
 use nullray::io::npy;
 
 use super::{Folder, repository};
@@ -166,4 +168,66 @@ fn what_makes_no_mesh_is_refused_and_leaves_nothing() {
         );
     }
     assert_eq!(folder.names(), ["map.npy"]);
+}
+
+/// A wall 3 m ahead, lit from the pinhole through a medium: light is on its way for 2 · 1.4 times the distance.
+#[test]
+fn the_medium_of_a_cube_is_taken_from_its_file_and_times_of_emission_are_refused() {
+    let folder = Folder::empty();
+    let write = |clock: &str| {
+        const WIDTH: f64 = 0.1;
+        let side = |n: usize| ((n as f64 + 0.5) / 3.0 - 1.0) * 20f64.to_radians().tan();
+        let samples = (0..36 * 120).map(|n| {
+            let (pixel, bin) = (n / 120, n % 120);
+            let (x, y) = (side(pixel % 6), side(pixel / 6));
+            let arrival = 2.0 * 1.4 * 3.0 * (1.0 + x * x + y * y).sqrt();
+            let off = (WIDTH * (bin as f64 + 0.5) - arrival).abs() / WIDTH;
+            (1.0 - 0.5 * off).max(0.0)
+        });
+        let cube = Cube::new([6, 6, 120, 1], CubeSamples::F64(samples.collect())).unwrap();
+        let said = [
+            ("start", "0"),
+            ("bin_width", "0.1"),
+            ("clock", clock),
+            ("medium_index", "1.4"),
+        ];
+        let metadata = said.map(|(key, text)| (key.to_string(), text.to_string()));
+        let options = npz::CubeOptions {
+            metadata: &metadata,
+            ..Default::default()
+        };
+        npz::write_cube_with(&folder.path("a.npz"), &cube, &options).unwrap();
+    };
+    let command = [
+        "mesh-from-depth",
+        "a.npz",
+        "--eye=0,0,0",
+        "--look-at=0,0,-1",
+        "--fov=40 deg",
+        "--lamp=0,0,0",
+    ];
+    write("capture");
+    let said = folder.ok(&command);
+    assert!(!said.contains("warning"), "{said}");
+    let want = Want {
+        uvs: true,
+        textures: false,
+        shading: false,
+        normals: false,
+        bad_vertices: BadVertices::Refuse,
+        bad_textures: BadTextures::Refuse,
+    };
+    let mesh = gltf::load(&folder.path("a.glb"), None, want).unwrap().mesh;
+    assert_eq!(mesh.positions.len(), 36);
+    for position in &mesh.positions {
+        // Half a bin is 0.018 m of distance here.
+        assert!((position.z + 3.0).abs() < 0.018, "{position}");
+    }
+    let said = folder.ok(&[&command[..], &["--medium-index", "1", "-o", "b.glb"]].concat());
+    assert!(said.contains("medium_index = \"1.4\""), "{said}");
+    write("world");
+    let run = folder.run(&command);
+    assert_eq!(run.code, 2);
+    let message = run.message();
+    assert!(message.contains("times are those of emission"), "{message}");
 }

@@ -9,7 +9,7 @@ use nullray::light::time_texture::survey::{Order, of_samples};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::render::survey::{Shots, misfits, seen_times};
+use nullray::render::survey::{Shots, misfits, moments, seen_times};
 use nullray::scene::model::Scene;
 use nullray::scene::{Overrides, parse};
 
@@ -317,6 +317,42 @@ fn times_that_miss_the_light_in_view_are_reported_with_those_that_would_not() {
     assert!(!seen[0].meets() && seen[0].data == [7.0, 16.5], "{seen:?}");
     let [from, to] = Shots::new(&scene, &mut prepared).showing(&seen[0]).unwrap();
     assert!(-60.0 < from && from < 0.0 && 0.0 < to, "{from} {to}");
+}
+
+/// A camera 2 m above a floor, with its shutter open from 3 m to 4 m of its own time.
+fn exposure(beta: f64, light: &str) -> String {
+    format!(
+        "[camera]\neye = [0, 2, 0]\nlook_at = [0, 0, 0]\nup = [0, 0, -1]\nhfov = \"0.001 deg\"\nsize = [2, 2]\ntime = \"3 m\"\n\
+         velocity = {{ beta = [0, {beta:?}, 0] }}\nshutter = {{ duration = \"1 m\" }}\n\
+         [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [4, 4] }} }}\n{light}"
+    )
+}
+
+#[test]
+fn all_that_is_seen_while_a_shutter_is_open_counts_as_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let samples = (0..2 * 2 * 20).map(|n| f32::from(u8::from(n % 20 == 13)));
+    let cube = Cube::new([2, 2, 20, 1], CubeSamples::F32(samples.collect())).unwrap();
+    nullray::io::image::npz::write_cube(&folder.path().join("floor.npy"), &cube).unwrap();
+    let shows = "[[source]]\ncube = { file = \"floor.npy\", start = \"0 m\", bin_width = \"0.1 m\", clock = \"world\", uv = 0 }\n";
+    // At its own time τ, the world time γτ, a camera that recedes is 2 m + γβτ above the floor: what it sees left at γ(1 − β)τ − 2 m.
+    for (beta, expected) in [(0.0, [1.0, 2.0]), (0.6, [-0.5, 0.0])] {
+        let text = exposure(beta, shows);
+        let scene = parse(&text, "exposed", folder.path(), &Overrides::default()).unwrap();
+        let seen = seen_times(&prepared(&scene).unwrap())[0].seen;
+        for (seen, expected) in seen.into_iter().zip(expected) {
+            assert!((seen - expected).abs() < 1e-9, "{beta} {seen} {expected}");
+        }
+    }
+    // The bin that is lit, from 1.3 m to 1.4 m, is before the middle of the exposure, and so is a flash from 0.04 m to 0.36 m.
+    assert_eq!(misfits_of(&exposure(0.0, shows), folder.path()), [""; 0]);
+    let flash = "[[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { time = \"0.2 m\", sigma = \"2 cm\" } }\n";
+    let text = exposure(0.0, flash);
+    let scene = parse(&text, "flash", folder.path(), &Overrides::default()).unwrap();
+    let mut prepared = prepared(&scene).unwrap();
+    let told = moments(&scene, &mut prepared, false);
+    assert!(told[0].contains("shows some of it"), "{told:?}");
+    assert!(moments(&scene, &mut prepared, true).is_empty());
 }
 
 #[test]

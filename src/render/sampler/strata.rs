@@ -66,6 +66,14 @@ impl Sampler {
         }
     }
 
+    /// Three samples at the pixel's centre: when an exposure begins, half-way through it, and when it ends.
+    pub(crate) fn centred_throughout() -> Self {
+        Sampler {
+            rows: 3,
+            ..Sampler::centred()
+        }
+    }
+
     /// Width and height of a sample's cell in a pixel.
     pub(crate) fn cell(&self) -> [f64; 2] {
         self.cell
@@ -423,7 +431,10 @@ impl Sampler {
     /// [`Sampler::moment`] in many pixels, by their keys; `index` is below [`Sampler::samples`].
     pub(crate) fn moments(&self, pixels: &[u64], index: u32, moments: &mut [f64]) {
         if self.centred {
-            moments.fill(0.5);
+            moments.fill(match self.rows {
+                1 => 0.5,
+                rows => f64::from(index) / f64::from(rows - 1),
+            });
             return;
         }
         let of = Moments {
@@ -711,5 +722,9 @@ mod tests {
     #[test]
     fn the_only_moment_of_a_centred_sample_is_the_middle() {
         assert_eq!(Sampler::centred().moment(4, 5, 0), 0.5);
+        let throughout = Sampler::centred_throughout();
+        let moments = [0, 1, 2].map(|index| throughout.moment(4, 5, index));
+        assert_eq!(moments, [0.0, 0.5, 1.0]);
+        assert_eq!(throughout.offset(4, 5, 2), [0.5; 2]);
     }
 }

@@ -127,7 +127,7 @@ fn hits(scene: &Scene, prepared: &mut Prepared, time: f64) -> usize {
     let of_tile = |index: u64| {
         let tile = Tile::of_image(prepared.layout.size, index * every);
         let mut count = 0;
-        let samples = (tile, PixelSamples::centred());
+        let samples = (tile, PixelSamples::centred(&prepared.camera));
         each_point(prepared, &surfaces, samples, |_| count += 1, |_| {});
         count
     };

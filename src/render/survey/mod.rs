@@ -1,8 +1,8 @@
 //! When the light in view was emitted, compared with the times that have data: why a picture is dark, in numbers.
 //!
-//! One ray goes through the centre of each pixel; if none of these hits anything, all samples of the picture are traced, because in a
-//! small picture objects may be smaller than pixels. At each point that it hits and that varies with time, the time that a lookup would
-//! use is computed on the data's own clock:
+//! One ray goes through the centre of each pixel, or three as a shutter opens, half-way, and as it closes; if none of these hits anything,
+//! all samples of the picture are traced, because in a small picture objects may be smaller than pixels. At each point that is hit and that
+//! varies with time, the time that a lookup would use is computed on the data's own clock:
 //!
 //! - a cube: world time or the object's own, and for a warped one later by the travel time of its light to the capture camera (η times
 //!   the distance);
@@ -23,6 +23,7 @@ pub use wavelengths::{
 
 use rayon::prelude::*;
 
+use crate::camera::Camera;
 use crate::error::{Message, Setting};
 use crate::light::lamp::Emission;
 use crate::light::time_texture::survey::{lit_span, rounded};
@@ -56,11 +57,16 @@ struct PixelSamples {
 }
 
 impl PixelSamples {
-    /// One through the centre of each pixel.
-    fn centred() -> PixelSamples {
+    /// Through the centre of each pixel: one, or three from the beginning to the end of an exposure. What was emitted later is seen later,
+    /// so that these see the first and the last of it, on whatever world line.
+    fn centred(camera: &Camera) -> PixelSamples {
+        let sampler = match generator(&camera.view).uses_moments() {
+            false => Sampler::centred(),
+            true => Sampler::centred_throughout(),
+        };
         PixelSamples {
-            sampler: Sampler::centred(),
-            samples: 1,
+            sampler,
+            samples: sampler.samples(),
         }
     }
 
@@ -231,7 +237,7 @@ pub fn seen_times(scene: &Prepared) -> Vec<SeenTimes> {
 
 /// [`seen_times`] for one tile in `every`.
 fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
-    seen_times_by(scene, every, PixelSamples::centred())
+    seen_times_by(scene, every, PixelSamples::centred(&scene.camera))
 }
 
 /// [`seen_times_among`]; if no ray through the centre of a pixel hits anything lit, with all samples.

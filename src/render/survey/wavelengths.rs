@@ -8,7 +8,6 @@ use crate::colour::{OBSERVED_NM, SpectrumShape};
 use crate::error::Result;
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
-use crate::render::sampler::Sampler;
 use crate::render::trace::{Background, CameraRays, generator};
 use crate::scene::model::{self, LightKind, Motion, Scene};
 use crate::spacetime::Quantity;
@@ -86,11 +85,15 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared, seen: f64) -> Vec<(usize
     let of_lamp = |k: usize| {
         let is_lit = |([least, greatest], _): &([f64; 2], bool)| least <= greatest;
         // A few tiles show of most lamps that their light is visible.
-        let few = ratios(k, PixelSamples::centred(), one_in(scene.camera.size))?;
+        let few = ratios(
+            k,
+            PixelSamples::centred(&prepared.camera),
+            one_in(scene.camera.size),
+        )?;
         if few.1 {
             return None;
         }
-        let found = ratios(k, PixelSamples::centred(), 1)?;
+        let found = ratios(k, PixelSamples::centred(&prepared.camera), 1)?;
         let (range, is_seen) = match is_lit(&found) {
             true => found,
             false => ratios(k, PixelSamples::of_picture(prepared), 1).filter(is_lit)?,
@@ -113,7 +116,7 @@ fn tiles_reduced(ratios: impl ParallelIterator<Item = ([f64; 2], bool)>) -> ([f6
 /// The smallest and the largest W = λ′/λ along rays through pixel centres, including the sky, or along all samples if the former hit no
 /// surface; `None` if they hit nothing.
 pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
-    let (range, has_met) = ratios_by(scene, 1, PixelSamples::centred());
+    let (range, has_met) = ratios_by(scene, 1, PixelSamples::centred(&scene.camera));
     match has_met {
         true => range,
         false => ratios_by(scene, 1, PixelSamples::of_picture(scene)).0,
@@ -122,7 +125,11 @@ pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
 
 /// [`wavelength_ratios`] if all of them are below or all above the range `within`: for most pictures a few rays show that they are not.
 pub fn wavelength_ratios_outside(scene: &Prepared, within: [f64; 2]) -> Option<[f64; 2]> {
-    let (few, _) = ratios_by(scene, one_in(scene.layout.size), PixelSamples::centred());
+    let (few, _) = ratios_by(
+        scene,
+        one_in(scene.layout.size),
+        PixelSamples::centred(&scene.camera),
+    );
     match few {
         Some(range) if !is_outside(range, within) => None,
         _ => wavelength_ratios(scene).filter(|range| is_outside(*range, within)),
@@ -139,13 +146,13 @@ pub fn camera_ratios_outside(scene: &Scene, within: [f64; 2]) -> Result<Option<[
         return Ok(None);
     }
     let camera = Camera::new(scene)?;
-    let generator = generator(&camera.view);
+    let (generator, centred) = (generator(&camera.view), PixelSamples::centred(&camera));
     let size = scene.camera.size;
     let range = |every: u64| {
         let of_tile = |index: u64| {
             let mut rays = CameraRays::default();
             let tile = Tile::of_image(size, index * every);
-            generator.generate(&mut rays, &Sampler::centred(), tile, 0..1);
+            generator.generate(&mut rays, &centred.sampler, tile, 0..centred.samples);
             rays.ratios
                 .iter()
                 .fold(NOTHING, |range, w| widened(range, *w))

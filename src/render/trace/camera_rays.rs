@@ -302,6 +302,9 @@ pub trait RayGenerator: Sync {
     /// Generates the rays of `samples` for every pixel of `tile`, sample by sample.
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>);
 
+    /// Whether they depend on the moment of an exposure.
+    fn uses_moments(&self) -> bool;
+
     /// Sets the positions of the same samples, pixel by pixel, without the keys of random numbers at their hits.
     fn place_by_pixel(
         &self,
@@ -382,6 +385,10 @@ impl<V: View> RayGenerator for V {
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>) {
         place(self, rays, sampler, (tile, samples));
         rays.look_through(self);
+    }
+
+    fn uses_moments(&self) -> bool {
+        self.uses_time()
     }
 
     fn place_by_pixel(

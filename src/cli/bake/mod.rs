@@ -245,7 +245,8 @@ impl Bake<'_> {
         let quiet = self.work.quiet.on;
         let sum = |job: &Job, samples: u32| {
             let goal = self.goal.map_or(String::new(), |goal| goal.to_string());
-            let what = format!("baked {:?} {bins:?} {samples}{goal}", job.surface);
+            // "means": parts of earlier versions have energies of all samples.
+            let what = format!("baked means {:?} {bins:?} {samples}{goal}", job.surface);
             identity.of_sums(&what)
         };
         let possible = match self.goal {

@@ -108,7 +108,7 @@ impl Bins {
     }
 }
 
-/// Energy of light by arrival time, summed over all pixels or texels.
+/// Energy of light by arrival time, as in the cube (mean of R, G, B), summed over all pixels or texels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Energy {

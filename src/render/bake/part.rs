@@ -56,7 +56,19 @@ impl Part {
         let scale = 1.0 / f64::from(n);
         let means = texel.values.iter().map(|sum| (sum * scale) as f32);
         self.values.extend(means);
-        self.summary.energy.add(&texel.energy);
+        // Of the mean over samples, as the values are.
+        let Energy {
+            held,
+            before,
+            after,
+            span,
+        } = texel.energy;
+        self.summary.energy.add(&Energy {
+            held: held * scale,
+            before: before * scale,
+            after: after * scale,
+            span,
+        });
         // One part gives no error estimate.
         if texel.parts < 2 {
             return;

@@ -179,6 +179,42 @@ fn a_bake_that_is_taken_up_again_has_the_bits_of_one_that_was_not_stopped() {
 }
 
 #[test]
+fn the_energy_is_that_of_the_cube_whatever_the_number_of_samples() {
+    let mut scene = stage::scene(
+        "camera = { eye = [0, 1, 5], look_at = [0, 0, 0], size = [8, 6] }\n\
+         [[object]]\nname = \"floor\"\nshape = { plane = { size = [1, 1] } }\n\
+         [[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { sigma = \"5 cm\" } }\n",
+    );
+    // All of the light, and the bins of its middle: on the floor from 1 m to 1.2 m on, and at the camera some 5 m later.
+    let bins = |[start, width]: [f64; 2], count| Bins {
+        start,
+        width,
+        count,
+    };
+    let sum = |baked: &Baked| -> f64 {
+        let [h, w, t, _] = baked.cube.shape;
+        let all = (0..h * w).flat_map(|pixel| (0..t).map(move |bin| (pixel, bin)));
+        all.map(|(pixel, bin)| value(&baked.cube, pixel, bin)).sum()
+    };
+    for samples in [1, 4, 16] {
+        scene.samples_per_pixel = samples;
+        for (camera, later) in [(true, 5.1), (false, 0.0)] {
+            let bake = |bins: Bins| match camera {
+                true => camera_cube(&scene, &bins).unwrap(),
+                false => surface_cube(&scene, 0, [8, 8], &bins).unwrap(),
+            };
+            let some = bake(bins([1.04 + later, 0.01], 8));
+            let all = sum(&bake(bins([-2.0, 10.0], 1)));
+            let energy = some.energy;
+            stage::assert_relative(energy.held, sum(&some), 1e-5, "in bins");
+            assert!(energy.before > 0.01 * all && energy.after > 0.01 * all);
+            let whole = energy.before + energy.held + energy.after;
+            stage::assert_relative(whole, all, 1e-5, "all");
+        }
+    }
+}
+
+#[test]
 fn the_relative_error_does_not_depend_on_how_much_of_the_texture_is_covered() {
     let mut scene = stage::scene(
         "camera = { eye = [0, 1, 5], look_at = [0, 0, 0], size = [4, 4] }\n\

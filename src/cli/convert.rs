@@ -17,7 +17,7 @@ use super::failure::refused;
 use super::output::extension;
 use super::progress::Bar;
 use super::times::Times;
-use super::{print, warn};
+use super::{faint, print, warn};
 
 pub fn run(arguments: &ConvertArguments) -> Result<()> {
     let wanted = Wanted {
@@ -270,6 +270,9 @@ fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) ->
         );
         warn(false, [&warning]);
     }
+    let help =
+        "choose a wider --type, or scale the samples and give the source the inverse `scale`";
+    warn(false, &faint((converted.faint, &converted.dtype), help));
     if converted.dropped != 0.0 {
         let warning = format!(
             "samples of pixels without a distance were dropped; their sum is {}",

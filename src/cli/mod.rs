@@ -50,6 +50,7 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
 use clap::Parser;
+use nullray::io::npy::Dtype;
 use nullray::{Error, Result};
 use serde::Serialize;
 
@@ -164,6 +165,22 @@ fn warn<'a>(quiet: bool, warnings: impl IntoIterator<Item = &'a String>) {
     for text in warnings.into_iter().filter(news) {
         complain(&format!("warning: {}\n", info::escaped(text)));
     }
+}
+
+/// The warning about light in numbers too small for their type, if it is more than a hundredth of all.
+fn faint((part, dtype): (f64, &Dtype), help: &str) -> Option<String> {
+    let name = match dtype {
+        Dtype::F16 => "f16",
+        Dtype::F64 => "f64",
+        Dtype::F32 | Dtype::Other(_) => "f32",
+    };
+    (part > 0.01).then(|| {
+        format!(
+            "{:.1} % of the light is in numbers below {:.1e}, of which {name} holds few digits or none; {help}",
+            100.0 * part,
+            dtype.smallest_normal()
+        )
+    })
 }
 
 /// Prints `value` as JSON.

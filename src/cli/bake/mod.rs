@@ -383,8 +383,13 @@ impl Bake<'_> {
                     true => journal.remove()?,
                     false => finished.push(journal),
                 }
-                let (text, warnings) =
-                    report((scene, &plan), job, (&baked, bins), &table, self.of_flash);
+                let (text, warnings) = report(
+                    (scene, &plan),
+                    job,
+                    (&baked, bins, precision),
+                    &table,
+                    self.of_flash,
+                );
                 // The command that makes a film of a flash neither asks for sources nor has other ways to bake.
                 let (text, warnings) = match self.of_flash {
                     true => (

@@ -11,6 +11,7 @@ use nullray::spacetime::Quantity;
 use nullray::spacetime::units::Angle;
 
 use super::Job;
+use crate::cli::faint;
 use crate::cli::output::extension;
 
 /// What a bake would cost.
@@ -50,7 +51,7 @@ pub fn planned(
 pub fn report(
     (scene, plan): (&Scene, &Plan),
     job: &Job,
-    (baked, bins): (&Baked, &Bins),
+    (baked, bins, precision): (&Baked, &Bins, CubePrecision),
     table: &str,
     // Its bins hold what its film shows, and not all of a wide ground.
     is_of_flash: bool,
@@ -121,6 +122,9 @@ pub fn report(
             [false, false] => {}
         }
     }
+    let help =
+        "leave --half out, or make the lamps brighter and give the source the inverse `scale`";
+    warnings.extend(faint((baked.faint, &precision.dtype()), help));
     let error = 100.0 * baked.relative_error();
     if error.is_finite() {
         text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");

@@ -81,6 +81,9 @@ pub struct Converted {
     pub merged: usize,
     /// The sum of the dropped samples of pixels with an unknown shift.
     pub dropped: f64,
+    /// The part of the sum of all magnitudes that is in samples below the smallest normal number of the type, which holds few of their
+    /// digits or none.
+    pub faint: f64,
 }
 
 /// The most memory that the parts use together, whatever the limit, bytes; in tests so little that there are many parts.
@@ -130,6 +133,10 @@ pub fn convert(
         later: work.later(),
         merged: work.merge,
         dropped: work.dropped,
+        faint: match work.sums {
+            [_, 0.0] => 0.0,
+            [faint, all] => faint / all,
+        },
         dtype: work.dtype,
     })
 }
@@ -158,6 +165,8 @@ struct Work<'a> {
     shifts: Shifts<'a>,
     shape: [usize; 4],
     dropped: f64,
+    /// Sums of the magnitudes of the samples that are too small for the type, and of all.
+    sums: [f64; 2],
     input: Vec<f64>,
 }
 
@@ -214,6 +223,7 @@ impl<'a> Work<'a> {
             merge,
             shifts,
             dropped: 0.0,
+            sums: [0.0; 2],
             input: Vec::new(),
         })
     }
@@ -531,6 +541,14 @@ impl<'a> Work<'a> {
             match by_time {
                 true => self.part(0..h, range.clone(), &mut out)?,
                 false => self.part(range.clone(), 0..t, &mut out)?,
+            }
+            for sample in &out {
+                self.sums[0] += if dtype.blurs(*sample) {
+                    sample.abs()
+                } else {
+                    0.0
+                };
+                self.sums[1] += sample.abs();
             }
             take(window, &out, &dtype)?;
             if !done((range.end * each) as u64, total) {

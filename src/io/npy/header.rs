@@ -3,6 +3,8 @@
 
 use std::io::Read;
 
+use half::f16;
+
 use super::place::{Place, WRITE_AGAIN};
 use crate::Result;
 
@@ -28,6 +30,25 @@ pub enum Dtype {
 }
 
 impl Dtype {
+    /// The smallest number of which it holds all digits; for other types that of F32.
+    pub fn smallest_normal(&self) -> f64 {
+        match self {
+            Dtype::F16 => f16::MIN_POSITIVE.to_f64(),
+            Dtype::F32 | Dtype::Other(_) => f32::MIN_POSITIVE.into(),
+            Dtype::F64 => f64::MIN_POSITIVE,
+        }
+    }
+
+    /// Whether a number is below [`Dtype::smallest_normal`] and loses digits in this type, or is lost.
+    pub(crate) fn blurs(&self, number: f64) -> bool {
+        let held = match self {
+            Dtype::F16 => f16::from_f64(number).to_f64(),
+            Dtype::F32 | Dtype::Other(_) => f64::from(number as f32),
+            Dtype::F64 => number,
+        };
+        number.abs() < self.smallest_normal() && held != number
+    }
+
     /// Whether samples are real numbers, or booleans, of at most 64 bits.
     pub fn is_number(&self) -> bool {
         let Dtype::Other(descr) = self else {

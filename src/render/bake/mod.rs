@@ -40,13 +40,16 @@ use self::part::Summary;
 use self::stored::Stored;
 use crate::error::{Error, Result};
 use crate::io::cube::Cube;
+use crate::io::npy::Dtype;
 use crate::light::Received;
 use crate::light::lamp::{Emission, Lamp};
 use crate::mesh::atlas::Corners;
 use crate::render::film::TILE;
 use crate::render::prepare::Prepared;
 use crate::render::trace::{RestFrame, TimedPaths};
-use crate::scene::model::{Clock, CubeBacks, LightKind, Motion, Scene, SourceKind, Spectra};
+use crate::scene::model::{
+    Binding, Clock, CubeBacks, LightKind, Motion, Scene, SourceKind, Spectra,
+};
 use crate::spacetime::Velocity;
 
 /// Time bins.
@@ -70,6 +73,14 @@ pub enum CubePrecision {
 }
 
 impl CubePrecision {
+    /// The type of its numbers in files.
+    pub fn dtype(self) -> Dtype {
+        match self {
+            CubePrecision::Single => Dtype::F32,
+            CubePrecision::Half => Dtype::F16,
+        }
+    }
+
     /// Bytes per number.
     pub fn bytes(self) -> u64 {
         match self {
@@ -135,6 +146,9 @@ pub struct Baked {
     mean_square: f64,
     /// The energy within the bins and outside them.
     pub energy: Energy,
+    /// The part of the energy within the bins that is in numbers below the smallest normal one of the format, which holds few of their
+    /// digits or none.
+    pub faint: f64,
     /// The clock of its times.
     pub clock: Clock,
     /// What the cube shows on the backs of a surface.
@@ -322,6 +336,7 @@ fn baked<T: Stored>(
 ) -> Result<Baked> {
     let mut energy = Energy::NONE;
     summaries.iter().for_each(|part| energy.add(&part.energy));
+    let faint: f64 = summaries.iter().map(|part| part.faint).sum();
     let texels: u64 = summaries.iter().map(|part| part.texels).sum();
     // The root mean square of the standard errors over all texels.
     let square = |bin: usize| {
@@ -346,6 +361,11 @@ fn baked<T: Stored>(
         standard_error,
         mean_square: squares / (texels as f64 * bins.count as f64),
         energy,
+        faint: if faint > 0.0 {
+            faint / energy.held
+        } else {
+            0.0
+        },
         clock: match prepared.frames.iter().all(still) {
             true => Clock::World,
             false => Clock::Object,

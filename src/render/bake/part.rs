@@ -19,6 +19,8 @@ pub(super) struct Part {
 #[derive(Debug)]
 pub(super) struct Summary {
     pub energy: Energy,
+    /// The energy in numbers that the cube's format blurs; journals, which serve all formats, leave it out.
+    pub faint: f64,
     /// By bin, Σ of the squared standard errors.
     pub error_squares: Vec<f64>,
     /// Σ over bins of the squared energies (means of the channels) of the same texels.
@@ -31,6 +33,7 @@ impl Default for Summary {
     fn default() -> Self {
         Summary {
             energy: Energy::NONE,
+            faint: 0.0,
             error_squares: Vec::new(),
             energy_squares: 0.0,
             texels: 0,
@@ -90,6 +93,7 @@ impl Part {
             error_squares,
             energy_squares,
             texels,
+            ..
         } = &self.summary;
         // Without light there is no span, which is written as NaN.
         let [from, to] = energy.span.unwrap_or([f64::NAN; 2]);
@@ -133,6 +137,7 @@ impl Part {
             covered: covered.iter().map(|covered| *covered == 1).collect(),
             summary: Summary {
                 energy,
+                faint: 0.0,
                 error_squares: numbers[6..].to_vec(),
                 energy_squares: numbers[5],
                 texels: u64::from_le_bytes(*count),

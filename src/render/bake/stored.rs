@@ -6,6 +6,7 @@ use half::vec::HalfBitsVecExt;
 use super::CubePrecision;
 use crate::error::{Error, Result, Setting};
 use crate::io::cube::CubeSamples;
+use crate::io::npy::Dtype;
 use crate::scene::model::Scene;
 
 /// A number of a cube. A vector of default values, zeros, takes no memory until it is written to.
@@ -14,6 +15,11 @@ pub(super) trait Stored: Copy + Default + Send + Sync {
     fn of(number: f32) -> Self;
     fn number(self) -> f32;
     fn samples(values: Vec<Self>) -> CubeSamples;
+
+    /// The energy (mean of R, G, B) in numbers that are too small for the format.
+    fn faint(_: &[f32]) -> f64 {
+        0.0
+    }
 
     /// Refuses finite numbers that overflow the format.
     fn check(_: &[Self], _: &Scene) -> Result<()> {
@@ -50,6 +56,12 @@ impl Stored for u16 {
 
     fn samples(values: Vec<u16>) -> CubeSamples {
         CubeSamples::F16(values.reinterpret_into())
+    }
+
+    fn faint(values: &[f32]) -> f64 {
+        let values = values.iter().map(|value| f64::from(*value));
+        let faint = values.filter(|value| Dtype::F16.blurs(*value));
+        faint.sum::<f64>() / 3.0
     }
 
     fn check(values: &[u16], scene: &Scene) -> Result<()> {

@@ -95,9 +95,10 @@ fn cube<T: Stored>(
         .par_chunks_mut(row)
         .enumerate()
         .map(|(i, values)| {
-            let part = kept(journal, i, [width, bins.count], || make(i))?;
+            let mut part = kept(journal, i, [width, bins.count], || make(i))?;
             // The values are zero already: memory that is never written is never allocated.
             if part.summary.energy.span.is_some() {
+                part.summary.faint = T::faint(&part.values);
                 let places = values.iter_mut().zip(&part.values);
                 places.for_each(|(place, value)| *place = T::of(*value));
             }

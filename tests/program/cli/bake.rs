@@ -1,6 +1,7 @@
 //! `nullray bake`: the file that it writes is a source as described.
 
 use nullray::io::budget::Budget;
+use nullray::io::cube::{self, Wanted};
 use nullray::io::image::exr;
 use serde_json::json;
 
@@ -442,6 +443,47 @@ fn energies_that_half_precision_does_not_hold_are_refused_and_their_parts_kept()
     assert!(!folder.path("lit-light.npz").exists());
     let said = folder.ok(&bake);
     assert!(said.contains("resuming lit-light.npz"), "{said}");
+}
+
+#[test]
+fn energies_that_half_precision_holds_few_digits_of_are_told_with_their_share() {
+    let folder = Folder::empty();
+    let bake = [
+        "bake",
+        "lit.toml",
+        "--start=-2 m",
+        "--bin-width=10 cm",
+        "--bins=150",
+        "--texels=8x8",
+        "--spp=4",
+    ];
+    for intensity in [5.0, 0.02] {
+        folder.write("lit.toml", FLASH.to_string() + &lamp(1.5, intensity));
+        let said = folder.ok(&[&bake[..], &["-o=a.npz"]].concat());
+        assert!(!said.contains("few digits"), "{said}");
+        let wanted = Wanted {
+            array: Some("radiance"),
+            ..Wanted::default()
+        };
+        let cube = cube::load(&folder.path("a.npz"), wanted).unwrap();
+        let (mut faint, mut all) = (0.0, 0.0);
+        for k in 0..cube.samples.len() {
+            let energy = cube.samples.get(k).unwrap();
+            faint += if energy < f64::powi(2.0, -14) {
+                energy
+            } else {
+                0.0
+            };
+            all += energy;
+        }
+        let said = folder.ok(&[&bake[..], &["--half", "-o=b.npz"]].concat());
+        let part = 100.0 * faint / all;
+        let words = format!(
+            "{part:.1} % of the light is in numbers below 6.1e-5, of which f16 holds few digits or none"
+        );
+        assert_eq!(said.contains(&words), part > 1.0, "{words}: {said}");
+        assert_eq!(part > 1.0, intensity < 1.0, "{part}");
+    }
 }
 
 /// A lamp at this height below or above the floor, of this intensity.

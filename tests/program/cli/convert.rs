@@ -419,6 +419,40 @@ fn frames_say_their_own_precision_and_hold_no_infinity() {
 }
 
 #[test]
+fn samples_that_a_type_holds_few_digits_of_are_told_with_their_share() {
+    let folder = Folder::empty();
+    for (samples, kind, words) in [
+        (
+            [9e-5, 3e-5],
+            "f16",
+            "25.0 % of the light is in numbers below 6.1e-5, of which f16",
+        ),
+        (
+            [9e-38, 1e-38],
+            "f32",
+            "10.0 % of the light is in numbers below 1.2e-38, of which f32",
+        ),
+        ([1e-7, 2e-7], "f16", "100.0 % of the light"),
+        // Nothing is lost.
+        ([1e-7, 2e-7], "f32", ""),
+        ([1e-38, 2e-39], "f64", ""),
+        ([f64::powi(2.0, -20), f64::powi(2.0, -24)], "f16", ""),
+    ] {
+        let cube = Cube::new([1, 1, 2, 1], CubeSamples::F64(samples.to_vec())).unwrap();
+        nullray::io::image::npz::write_cube(&folder.path("in.npy"), &cube).unwrap();
+        for output in ["out.npy", "frames"] {
+            if (output, kind) == ("frames", "f64") {
+                continue;
+            }
+            let said = folder.ok(&["convert", "in.npy", "-o", output, "--type", kind]);
+            assert_eq!(said.contains("of the light"), !words.is_empty(), "{said}");
+            assert!(said.contains(words), "{output} {words}: {said}");
+        }
+        let _ = std::fs::remove_dir_all(folder.path("frames"));
+    }
+}
+
+#[test]
 fn what_has_no_effect_on_a_conversion_is_refused() {
     let folder = Folder::empty();
     folder.write("large.npy", large());

@@ -2,7 +2,7 @@
 
 use nullray::error::number;
 use nullray::mesh::Factors;
-use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface};
+use nullray::render::bake::{self, Baked, Bins, Captured, Coordinates, CubePrecision, Surface};
 use nullray::render::metadata;
 use nullray::render::plan::Plan;
 use nullray::render::prepare::Prepared;
@@ -179,11 +179,13 @@ pub fn source(
         "npz" => "array = \"radiance\", ",
         _ => "",
     };
-    let axis = format!(
-        "file = {file:?}, {array}start = \"{} m\", bin_width = \"{} m\"",
-        number(bins.start),
-        number(bins.width)
-    );
+    let axis = |later: f64| {
+        format!(
+            "file = {file:?}, {array}start = \"{} m\", bin_width = \"{} m\"",
+            number(bins.start + later),
+            number(bins.width)
+        )
+    };
     // The quantity that a source has if nothing says another.
     let radiance = match scene.quantity {
         Quantity::Integrated => String::new(),
@@ -207,23 +209,38 @@ pub fn source(
                 ),
             };
             format!(
-                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {set}, backs = \"{backs}\" }}\n{radiance}",
+                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {}, clock = \"{clock}\", uv = {set}, backs = \"{backs}\" }}\n{radiance}",
                 format!("light on {object}"),
+                axis(0.0)
             )
         }
         None => {
-            let eye = bake::eye(scene, prepared);
             let [_, up, forward] = scene.camera.axes;
             let vector = |v: glam::DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
-            format!(
-                "[[source]]\nname = \"light\"\ncube = {{ {axis}, clock = \"{}\", capture = {{ eye = {}, look_at = {}, up = {}, \
-                 hfov = \"{}\" }} }}\n{radiance}",
-                baked.clock.name(),
-                vector(eye),
-                vector(eye + forward),
-                vector(up),
-                Angle::of_radians(scene.camera.horizontal_fov)
-            )
+            let captured = bake::captured(scene, prepared);
+            let one = |of: &Captured| {
+                let names = of.objects.iter().map(|k| &scene.objects[*k].name);
+                let names: Vec<_> = names.collect();
+                // Objects with clocks of their own need sources of their own.
+                let (name, objects) = match captured.len() {
+                    1 => ("light".into(), String::new()),
+                    _ => (
+                        format!("light on {}", names[0]),
+                        format!("objects = {names:?}\n"),
+                    ),
+                };
+                format!(
+                    "[[source]]\nname = {name:?}\n{objects}cube = {{ {}, clock = \"{}\", capture = {{ eye = {}, look_at = {}, up = {}, \
+                     hfov = \"{}\" }} }}\n{radiance}",
+                    axis(of.later),
+                    baked.clock.name(),
+                    vector(of.eye),
+                    vector(of.eye + forward),
+                    vector(up),
+                    Angle::of_radians(scene.camera.horizontal_fov)
+                )
+            };
+            captured.iter().map(one).collect::<Vec<_>>().join("\n")
         }
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::stored::Stored;
-use super::{Baked, Bins, CubePrecision, PARTS, baked, check, paths};
+use super::{Baked, Bins, CubePrecision, PARTS, baked, check, paths, shown_light};
 use crate::accel::Origins;
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
@@ -18,15 +18,15 @@ use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::{Sampler, samples_per_part};
-use crate::render::trace::{AT_ONCE, CameraRays, Seen, Start, TimedPaths, generator};
+use crate::render::trace::{AT_ONCE, CameraRays, RestFrame, Seen, Start, TimedPaths, generator};
 use crate::scene::model::{Clock, Motion, ProjectionKind, Scene};
-use crate::spacetime::Direction;
+use crate::spacetime::{Direction, Event, Rest};
 
 /// The cube of the scene's camera, which is at rest relative to all objects; finished tiles are stored in `journal`, if given.
 ///
 /// # Errors
 /// Whatever [`check`] refuses, surfaces that shine for ever, bins without width or number, energies above 65504 in half precision, a camera
-/// that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
+/// that moves relative to the objects, or moves without aberration, objects that show cubes, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
 pub fn camera_cube(
     scene: &Scene,
     prepared: &Prepared,
@@ -56,14 +56,15 @@ fn cube<T: Stored>(
     let paths = paths(scene, prepared)?;
     let mut values = vec![T::default(); width * height * bins.count * 3];
     let placed = Mutex::new(&mut values);
-    let pixels = Pixels::new(prepared, &paths, bins, sampling(prepared));
+    let pixels = Pixels::new((scene, prepared), &paths, bins, sampling(prepared));
     let tiles = (0..Tile::count(prepared.layout.size) as usize).into_par_iter();
     let summaries: Vec<Summary> = tiles
         .map_init(CameraRays::default, |rays, index| {
             let tile = Tile::of_image(prepared.layout.size, index as u64);
             let size = [tile.pixels(), bins.count];
             let make = || pixels.of_tile(tile, rays, progress);
-            let part = kept(journal, index, size, make)?;
+            let mut part = kept(journal, index, size, make)?;
+            part.summary.faint = T::faint(&part.values);
             progress.rays_done(tile.pixels() as u64 * u64::from(prepared.layout.samples));
             // A poisoned lock means a panic elsewhere, which rayon propagates.
             let mut values = placed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -100,6 +101,8 @@ fn sampling(prepared: &Prepared) -> (Sampler, u32) {
 pub(super) struct Pixels<'a> {
     prepared: &'a Prepared,
     paths: &'a TimedPaths<'a>,
+    /// The reading of the cube's clock at the frame's time 0: one clock for all objects, as a pixel may show several.
+    clock: f64,
     bins: &'a Bins,
     sampler: Sampler,
     /// Samples, and those of each part, whose mean is kept separately.
@@ -109,7 +112,7 @@ pub(super) struct Pixels<'a> {
 
 impl<'a> Pixels<'a> {
     pub fn new(
-        prepared: &'a Prepared,
+        (scene, prepared): (&Scene, &'a Prepared),
         paths: &'a TimedPaths<'a>,
         bins: &'a Bins,
         (sampler, samples): (Sampler, u32),
@@ -117,6 +120,10 @@ impl<'a> Pixels<'a> {
         Pixels {
             prepared,
             paths,
+            clock: match clock_zero(scene, paths.rest) {
+                Some(zero) => -zero.ct,
+                None => paths.rest.frame.origin().ct,
+            },
             bins,
             sampler,
             samples,
@@ -163,6 +170,7 @@ impl<'a> Pixels<'a> {
         let Pixels {
             prepared,
             paths,
+            clock,
             bins,
             sampler,
             ..
@@ -198,7 +206,6 @@ impl<'a> Pixels<'a> {
             &starts,
             sampler.samples(),
             |path, emission, light, delay| {
-                let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
                 pixels[met[path]].add(bins, emission, light, delay + clock);
             },
         );
@@ -215,26 +222,74 @@ pub fn check_camera(scene: &Scene, prepared: &Prepared) -> Result<()> {
     paths(scene, prepared).map(|_| ())
 }
 
-/// The pinhole of the camera of [`camera_cube`], if a capture camera is given: in the world, or in the coordinates of the first object if
-/// everything moves.
-pub fn eye(scene: &Scene, prepared: &Prepared) -> DVec3 {
-    let event = prepared.camera.shot.event;
-    let Some(rest) = prepared
-        .frames
-        .first()
-        .filter(|f| !f.frame.velocity().is_rest())
-    else {
-        return event.x;
+/// How a source with a capture camera reads the cube of [`camera_cube`] for objects that share its coordinates.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Captured {
+    /// Their indices in the scene.
+    pub objects: Vec<usize>,
+    /// The pinhole: in the world, or in the coordinates of these objects if everything moves.
+    pub eye: DVec3,
+    /// How much later bins start by their clock than by that of the first object, which the cube shows, metres.
+    pub later: f64,
+}
+
+/// All objects of `scene`, grouped by what their sources have to say: one group if everything rests in the world, and otherwise one for
+/// each origin.
+pub fn captured(scene: &Scene, prepared: &Prepared) -> Vec<Captured> {
+    let shot = prepared.camera.shot.event;
+    let rest = prepared.frames.first();
+    let Some((rest, first)) = rest.and_then(|rest| Some((rest, clock_zero(scene, rest)?))) else {
+        return vec![Captured {
+            objects: (0..scene.objects.len()).collect(),
+            eye: shot.x,
+            later: 0.0,
+        }];
     };
-    let origin = scene
-        .objects
-        .first()
-        .map_or(rest.frame.origin(), |o| o.origin);
-    rest.frame.event_from_world(event).x - rest.frame.event_from_world(origin).x
+    let mut all: Vec<Captured> = Vec::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let alike = |known: &&mut Captured| {
+            let other = &scene.objects[known.objects[0]];
+            other.velocity == object.velocity && other.origin == object.origin
+        };
+        if let Some(known) = all.iter_mut().find(alike) {
+            known.objects.push(index);
+            continue;
+        }
+        let origin = rest.frame.event_from_world(object.origin);
+        all.push(Captured {
+            objects: vec![index],
+            eye: rest.frame.event_from_world(shot).x - origin.x,
+            later: first.ct - origin.ct,
+        });
+    }
+    all
+}
+
+/// When and where the clock of the first object shows 0, in the frame; `None` if everything rests in the world, whose clock counts then.
+fn clock_zero(scene: &Scene, rest: &RestFrame) -> Option<Event<Rest>> {
+    let moves = !rest.frame.velocity().is_rest();
+    let first = scene.objects.first().filter(|_| moves)?;
+    Some(rest.frame.event_from_world(first.origin))
 }
 
 pub(super) fn check_plain(scene: &Scene) -> Result<()> {
     let camera = &scene.camera;
+    if let Some((place, what)) = shown_light(scene) {
+        let what = format!("{what}, which is not baked: it would be black");
+        let help = "leave the source out, so that lamps light the object, or bake surfaces alone";
+        return Err(Error::invalid(&scene.name, place, what, help));
+    }
+    if !scene.effects.aberration && !camera.velocity.is_rest() {
+        let what = "the directions in which a moving camera looks are then those of no pinhole at rest with the objects, to which a cube belongs";
+        let help = "bake with aberration; a scene that shows the cube can turn it off";
+        return Err(Error::invalid(
+            &scene.name,
+            "effects.aberration",
+            what,
+            help,
+        ));
+    }
     let refuse = |what: &str| {
         let help = "use a plain camera at rest with the objects; any other camera can then look at the cube";
         Err(Error::invalid(&scene.name, "camera", what, help))

@@ -19,7 +19,7 @@
 //! (Cochran, Sampling Techniques, § 6.4; for equal f_k it is the variance of R means over R). For each bin the root mean square over all
 //! texels is reported. Texels at the edges of charts that are hit by samples of one part only have no error estimate, and are left out.
 //!
-//! A camera's times are arrival times: times of emission at the surface, by the world's clock (or the object's own if everything moves),
+//! A camera's times are arrival times: times of emission at the surface, by the world's clock (or the first object's if everything moves),
 //! plus η times the *distance* to the pinhole, as in mitransient with `camera_unwarp = false`, whose array layout (H, W, T, C) is used. A
 //! surface's times are those of emission, and its radiance is the diffuse part, which is the same in all directions. If backs are visible,
 //! they have the same number of rows after those of the fronts, at the same texture coordinates, unless no light reaches any of them. If
@@ -32,7 +32,7 @@ mod stored;
 mod surface;
 mod trials;
 
-pub use camera::{camera_cube, check_camera, eye};
+pub use camera::{Captured, camera_cube, captured, check_camera};
 pub use surface::{Coordinates, Surface, SurfaceNeeds, check_surface, surface_cube};
 pub use trials::{Trial, Trials};
 
@@ -203,7 +203,7 @@ pub fn bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision, threads: usi
 /// Refuses scenes whose light cannot be baked.
 ///
 /// # Errors
-/// Bodies or lamps that move relative to each other, light that never ends, no lamps.
+/// Bodies or lamps that move relative to each other, light that never ends, cubes that light other surfaces, no lamps.
 pub fn check(scene: &Scene) -> Result<()> {
     let refuse = |place: String, what: String, help: &str| {
         Err(Error::invalid(&scene.name, place, what, help))
@@ -266,6 +266,12 @@ pub fn check(scene: &Scene) -> Result<()> {
         let help = "a [[light]] of the same velocity, with a Gaussian emission";
         return refuse(format!("source \"{}\"", pulse.name), what, help);
     }
+    // Without bounces surfaces receive no light of others.
+    if let Some((place, what)) = shown_light(scene).filter(|_| scene.bounces > 0) {
+        let what = format!("{what}, and what it sheds on other surfaces is not baked");
+        let help = "leave the source out, so that lamps light the object, bake direct light alone (`render.bounces = 0`), or follow light with `render.bounces` and no bake";
+        return refuse(place, what, help);
+    }
     if scene.lights.is_empty() && pulses.count() == 0 {
         let help = "add [[light]] with an emission, like emission = { gaussian = { sigma = \"5 cm\" } }; with type = \"area\" and an object, its surface or what its materials emit";
         return refuse("light".into(), "there is no light to bake".into(), help);
@@ -291,6 +297,19 @@ impl Energy {
             (None, span) => span,
         };
     }
+}
+
+/// The first source whose light objects show instead of reflecting any, and what it does; `None` if there is no such source.
+fn shown_light(scene: &Scene) -> Option<(String, String)> {
+    let mut sources = scene.sources.iter();
+    let source = sources.find(|s| matches!(s.kind, SourceKind::Cube(_)))?;
+    let first = match &source.binding {
+        Binding::All => 0,
+        Binding::Only { objects, .. } => *objects.first()?,
+    };
+    let object = scene.objects.get(first)?;
+    let what = format!("object \"{}\" shows its light", object.name);
+    Some((format!("source \"{}\"", source.name), what))
 }
 
 /// Why light that never ends is refused.

@@ -141,7 +141,12 @@ impl<'a> Trials<'a> {
             }
             Kind::Camera => {
                 let sampling = (sampler, samples);
-                let pixels = Pixels::new(self.prepared, &self.paths, self.bins, sampling);
+                let pixels = Pixels::new(
+                    (self.scene, self.prepared),
+                    &self.paths,
+                    self.bins,
+                    sampling,
+                );
                 let tiles: Vec<Tile> = self.tiles().collect();
                 let make = |rays: &mut CameraRays, tile: Tile| {
                     let part = pixels.of_tile(tile, rays, progress)?;

@@ -1,7 +1,7 @@
 //! Where a scene says other things of its cubes than their files.
 
 use crate::error::number;
-use crate::scene::model::{CubeSource, Scene, Source, SourceKind};
+use crate::scene::model::{CubeSource, Mapping, Scene, Source, SourceKind};
 
 /// What the files of the cubes of `scene` say otherwise than the scene, a sentence each.
 pub fn contradicted(scene: &Scene) -> Vec<String> {
@@ -14,7 +14,11 @@ pub fn contradicted(scene: &Scene) -> Vec<String> {
         });
     cubes
         .flat_map(|(source, cube)| {
-            let all = [keys(cube), quantity(source, cube), medium(scene, cube)];
+            let all = [
+                keys(scene, cube),
+                quantity(source, cube),
+                medium(scene, cube),
+            ];
             let name = format!("source {:?}: ", source.name);
             let file = cube.data.path().map(|path| path.display().to_string());
             let file = file.unwrap_or_default();
@@ -28,15 +32,23 @@ pub fn contradicted(scene: &Scene) -> Vec<String> {
 type Difference = Option<[String; 2]>;
 
 /// The keys of the time axis; those of the scene are used.
-fn keys(cube: &CubeSource) -> Difference {
+fn keys(scene: &Scene, cube: &CubeSource) -> Difference {
     let (mut by_file, mut by_scene) = (Vec::new(), Vec::new());
     let mut differ = |key: &str, [file, scene]: [String; 2]| {
         by_file.push(format!("{key} = \"{file}\""));
         by_scene.push(format!("{key} = \"{scene}\""));
     };
     if let Some(times) = cube.recorded.times {
+        // A capture of moving objects starts by the clock of its first object, and others have clocks of their own.
+        let mut origins = scene.objects.iter().map(|object| object.origin);
+        let first = origins.next();
+        let moves = scene.objects.iter().any(|o| !o.velocity.is_rest());
+        let has_clocks = moves && origins.any(|origin| Some(origin) != first);
+        let is_own = has_clocks && matches!(cube.mapping, Mapping::Capture(_));
         for (key, both) in times.differing(cube.bins.edge(0), cube.bins.width()) {
-            differ(key, both.map(|time| format!("{} m", number(time))));
+            if key != "start" || !is_own {
+                differ(key, both.map(|time| format!("{} m", number(time))));
+            }
         }
     }
     let clock = cube.recorded.clock.as_deref();

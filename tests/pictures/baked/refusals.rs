@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use nullray::io::cube::{Cube, CubeSamples};
 use nullray::mesh::{Shape, shapes};
 use nullray::render::bake::{self, Bins, Coordinates, CubePrecision, Surface};
 use nullray::scene::model::Geometry;
@@ -197,6 +198,64 @@ fn objects_that_shine_for_ever_are_refused_by_name() {
             assert!(said.contains(words), "{said}");
             assert!(error.help().contains("type = \"area\""), "{text}");
         }
+    }
+}
+
+#[test]
+fn light_of_cubes_is_refused_where_it_would_be_left_out() {
+    let bins = Bins {
+        start: 0.0,
+        width: 0.1,
+        count: 4,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let cube = Cube::new([1, 1, 1, 1], CubeSamples::F32(vec![1.0])).unwrap();
+    nullray::io::image::npz::write_cube(&folder.path().join("a.npy"), &cube).unwrap();
+    // With bounces the wall lights the floor; without, it is only black in what a camera sees.
+    for (bounces, is_refused) in [(0, false), (1, true)] {
+        let text = format!(
+            "camera = {{ eye = [0, 1, 5], look_at = [0, 0, 0], size = [4, 4] }}\nrender = {{ bounces = {bounces} }}\n\
+             [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [1, 1] }} }}\n\
+             [[object]]\nname = \"wall\"\nshape = {{ plane = {{ size = [1, 1] }} }}\ntransform = {{ translate = [0, 1, 0] }}\n\
+             [[light]]\nposition = [0, 0.5, 0]\nemission = {{ gaussian = {{ sigma = \"5 cm\" }} }}\n\
+             [[source]]\nname = \"shown\"\nobjects = [\"wall\"]\ncube = {{ file = \"a.npy\", axes = \"H W T\", bin_width = \"1 m\", uv = 0 }}\n"
+        );
+        let scene = stage::scene_in(folder.path(), &text);
+        let surface = surface_cube(&scene, 0, [4, 4], &bins).err();
+        assert_eq!(surface.is_some(), is_refused, "{surface:?}");
+        let camera = camera_cube(&scene, &bins).err();
+        assert!(camera.is_some());
+        for error in surface.into_iter().chain(camera) {
+            let said = error.to_string();
+            assert!(
+                said.contains("source \"shown\"") && said.contains("\"wall\" shows its light"),
+                "{said}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_moving_camera_without_aberration_is_not_baked() {
+    let bins = Bins {
+        start: 0.0,
+        width: 0.1,
+        count: 4,
+    };
+    for (aberration, beta, is_refused) in
+        [(false, 0.6, true), (false, 0.0, false), (true, 0.6, false)]
+    {
+        let velocity = format!("velocity = {{ beta = [{beta:?}, 0, 0] }}");
+        let scene = stage::scene(&format!(
+            "effects = {{ aberration = {aberration} }}\n[camera]\neye = [0, 1, 5]\nlook_at = [0, 0, 0]\nsize = [4, 4]\n{velocity}\n\
+             [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [1, 1] }} }}\n{velocity}\n\
+             [[light]]\nposition = [0, 1, 0]\nemission = {{ gaussian = {{ sigma = \"5 cm\" }} }}\n{velocity}\n"
+        ));
+        let error = camera_cube(&scene, &bins).err().map(|e| e.to_string());
+        assert_eq!(error.is_some(), is_refused, "{error:?}");
+        assert!(error.is_none_or(|said| said.contains("effects.aberration")));
+        // Light on surfaces depends on no camera.
+        assert!(surface_cube(&scene, 0, [4, 4], &bins).is_ok());
     }
 }
 

@@ -133,6 +133,70 @@ fn what_bake_prints_reads_what_it_has_written() {
     }
 }
 
+/// A floor and a box on it, which move with a camera and a lamp, and have clocks and origins of their own.
+const TOGETHER: &str = r#"
+[camera]
+eye = [0, 0.9, 2]
+look_at = [0, 0.2, 0]
+hfov = "70 deg"
+size = [48, 36]
+velocity = { beta = [0.6, 0, 0] }
+clock_zero = "0.7 m"
+time = "3.5 m"
+[[object]]
+name = "floor"
+shape = { plane = { size = [3, 3] } }
+velocity = { beta = [0.6, 0, 0] }
+origin = { position = [0, 0, 0], time = "0.7 m" }
+[[object]]
+name = "box"
+shape = { box = { size = [0.5, 0.5, 0.5] } }
+velocity = { beta = [0.6, 0, 0] }
+origin = { position = [0.3, 0.25, 0.1], time = "0.1 m" }
+"#;
+
+#[test]
+fn objects_with_clocks_of_their_own_read_a_camera_cube_by_their_own_sources() {
+    let folder = Folder::empty();
+    let lamp = "[[light]]\nposition = [0.7, 1.5, 1]\nclock_zero = \"0.2 m\"\nvelocity = { beta = [0.6, 0, 0] }\n\
+                emission = { gaussian = { time = \"0.3 m\", sigma = \"30 cm\" } }\n";
+    folder.write("lit.toml", format!("{TOGETHER}{lamp}"));
+    let said = folder.ok(&[
+        "bake",
+        "lit.toml",
+        "--camera",
+        "--spp=64",
+        "--start=-1 m",
+        "--bin-width=2 cm",
+        "--bins=500",
+        "-o=a.npz",
+    ]);
+    let sources = said.split_once("\n\n").unwrap().1;
+    assert_eq!(sources.matches("[[source]]").count(), 2, "{sources}");
+    // In the frame of all, the origins are 0.6 m apart in world time and 0.3 m along the motion: γ(0.6 + β 0.3) m = 0.975 m.
+    let starts = sources.split("start = \"").skip(1);
+    let starts = starts.map(|text| text.split(" m").next().unwrap().parse::<f64>().unwrap());
+    for (start, expected) in starts.zip([-1.0, -0.025]) {
+        assert!((start - expected).abs() < 1e-12, "{sources}");
+    }
+    assert!(sources.contains("objects = [\"box\"]"), "{sources}");
+    folder.write("baked.toml", format!("{TOGETHER}{sources}"));
+    let plan = folder.ok(&["plan", "baked.toml"]);
+    assert!(!plan.contains("which is used"), "{plan}");
+    let [baked, lit] = ["baked.toml", "lit.toml"].map(|scene| {
+        folder.ok(&["render", scene, "-o", "a.exr", "--spp", "64", "-q"]);
+        let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
+        layers.radiance().unwrap()
+    });
+    let (mut squares, mut all) = (0.0, 0.0);
+    for (a, b) in baked.iter().flatten().zip(lit.iter().flatten()) {
+        squares += f64::powi(f64::from(*a) - f64::from(*b), 2);
+        all += f64::powi(f64::from(*b), 2);
+    }
+    let error = f64::sqrt(squares / all);
+    assert!(all > 0.0 && error < 0.05, "{error}");
+}
+
 #[test]
 fn an_archive_says_what_it_is_of_and_a_plan_what_it_takes() {
     let folder = Folder::empty();

@@ -31,21 +31,61 @@ pub(super) fn direction<S: Serializer>(
     vector(&direction.unit(), s)
 }
 
+/// β, and the rapidity: β rounds to 1 from γ ≈ 10⁸ on.
 pub(super) fn velocity<S: Serializer>(velocity: &Velocity, s: S) -> Result<S::Ok, S::Error> {
-    vector(&velocity.beta(), s)
+    let [beta, rapidity] = [velocity.beta(), velocity.rapidity()].map(|v| v.to_array());
+    s.collect_map([("beta", beta), ("rapidity", rapidity)])
 }
 
 pub(super) fn frame<S: Serializer>(
     frame: &InertialFrame<spacetime::CameraFrame>,
     s: S,
 ) -> Result<S::Ok, S::Error> {
-    velocity(&frame.velocity(), s)
+    let velocity = frame.velocity();
+    let [beta, rapidity] = [velocity.beta(), velocity.rapidity()].map(|v| v.to_array());
+    s.collect_map([("camera_beta", beta), ("camera_rapidity", rapidity)])
 }
 
-/// Numbers to six digits after the point, in brackets.
+/// The power of ten of a number that has seven digits.
+fn exponent(number: f64) -> i32 {
+    let text = format!("{number:.6e}");
+    let power = text
+        .split_once('e')
+        .and_then(|(_, power)| power.parse().ok());
+    power.unwrap_or(0)
+}
+
+/// A number with seven digits.
+fn digits(number: f64) -> String {
+    match exponent(number) {
+        power @ -4..=6 => format!("{number:.0$}", (6 - power) as usize),
+        _ => format!("{number:.6e}"),
+    }
+}
+
+/// Numbers in brackets, all to the last of seven digits of the largest.
 fn tuple<const N: usize>(numbers: [f64; N]) -> String {
-    let numbers = numbers.map(|number| format!("{number:.6}"));
-    format!("({})", numbers.join(", "))
+    let largest = numbers.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
+    let power = exponent(largest);
+    let (scale, places, times) = match power {
+        -4..=6 => (1.0, (6 - power) as usize, String::new()),
+        _ => (
+            libm::pow(10.0, f64::from(power)),
+            6,
+            format!(" × 1e{power}"),
+        ),
+    };
+    let numbers = numbers.map(|number| format!("{:.places$}", number / scale));
+    format!("({}){times}", numbers.join(", "))
+}
+
+/// A line about what moves: β alone does not tell great speeds apart.
+fn moves(f: &mut fmt::Formatter<'_>, what: &str, velocity: Velocity) -> fmt::Result {
+    if velocity.is_rest() {
+        return Ok(());
+    }
+    let (beta, gamma) = (tuple(velocity.beta().to_array()), digits(velocity.gamma()));
+    writeln!(f, "  {what:<14}β {beta}, γ = {gamma}")
 }
 
 impl fmt::Display for Probe {
@@ -58,12 +98,13 @@ impl fmt::Display for Probe {
         let arrival = &self.reception;
         let mut passed = |what: &str, event: &Event<World>, clock: f64| {
             let event = tuple(event.to_array());
-            writeln!(f, "  {what:<14}{event}, camera's clock {clock:.6}")
+            writeln!(f, "  {what:<14}{event}, camera's clock {}", digits(clock))
         };
         passed("reception", &arrival.event, arrival.time)?;
         if arrival.pinhole != arrival.event {
             passed("pinhole", &arrival.pinhole, arrival.pinhole_time)?;
         }
+        moves(f, "camera moves", arrival.frame.velocity())?;
         let along = tuple(self.direction.unit().to_array());
         writeln!(f, "  looks along   {along}")?;
         if self.index != 1.0 {
@@ -82,11 +123,12 @@ impl fmt::Display for ProbeHit {
         writeln!(f, "  meets         {name}, triangle {}", self.triangle)?;
         writeln!(
             f,
-            "  emission      {emission}, object's clock {:.6}",
-            self.time
+            "  emission      {emission}, object's clock {}",
+            digits(self.time)
         )?;
-        writeln!(f, "  distance      {:.6}", self.distance)?;
-        writeln!(f, "  W = λ′/λ      {:.6}", self.ratio)?;
+        moves(f, "object moves", self.velocity)?;
+        writeln!(f, "  distance      {}", digits(self.distance))?;
+        writeln!(f, "  W = λ′/λ      {}", digits(self.ratio))?;
         let nows = [
             ("now, camera ", &self.now),
             ("now, world  ", &self.now_in_world),

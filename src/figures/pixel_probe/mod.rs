@@ -78,8 +78,9 @@ pub struct Reception {
     /// Proper time of the pinhole then.
     #[serde(rename = "pinhole_proper_time")]
     pub pinhole_time: f64,
-    /// The inertial frame that moves along with the camera at `time`, its origin at `event`; as data its β.
-    #[serde(rename = "camera_beta", serialize_with = "data::frame")]
+    /// The inertial frame that moves along with the camera at `time`, its origin at `event`; as data its β
+    /// and rapidity.
+    #[serde(flatten, serialize_with = "data::frame")]
     pub frame: InertialFrame<spacetime::CameraFrame>,
 }
 
@@ -95,8 +96,8 @@ pub struct ProbeHit {
     pub object: usize,
     /// Index of the triangle in the object.
     pub triangle: u32,
-    /// Its velocity in the world; as data β.
-    #[serde(rename = "beta", serialize_with = "data::velocity")]
+    /// Its velocity in the world; as data β and rapidity.
+    #[serde(flatten, serialize_with = "data::velocity")]
     pub velocity: Velocity,
     /// The emission event.
     #[serde(serialize_with = "data::event")]

@@ -173,3 +173,32 @@ fn in_a_medium_light_takes_the_longer_for_its_way() {
     );
     assert_eq!(probe.index, 1.5);
 }
+
+#[test]
+fn the_numbers_of_a_pixel_have_seven_digits_at_any_scale_and_speed() {
+    // A cube of a micrometre, seen from 2.5 µm ahead of its face by a camera that flies to it.
+    let text = "camera = { eye = [0, 0, 3e-6], forward = [0, 0, -1], size = [9, 7], \
+                velocity = { gamma = 1e8, direction = [0, 0, -1] } }\n\
+                object = [{ name = \"cube\", shape = { box = { size = [1e-6, 1e-6, 1e-6] } } }]\n";
+    let probe = traced(&scene(text), [4, 3]).unwrap();
+    let said = probe.to_string();
+    // W = 1/(γ (1 + β)).
+    for part in [
+        "emission      (-2.500000, ",
+        ", 0.500000) × 1e-6, object's clock -2.500000e-6\n",
+        "distance      2.500000e-6\n",
+        "W = λ′/λ      5.000000e-9\n",
+        ", -1.000000), γ = 1.000000e8\n",
+    ] {
+        assert!(said.contains(part), "no {part} in\n{said}");
+    }
+    let json = serde_json::to_value(&probe).unwrap();
+    let rapidity = json["camera_rapidity"][2].as_f64().unwrap();
+    assert!((rapidity + 1e8f64.acosh()).abs() < 1e-12, "{rapidity}");
+    assert_eq!(json["camera_beta"][2], -1.0);
+    assert_eq!(
+        json["surface"]["rapidity"],
+        serde_json::json!([0.0, 0.0, 0.0])
+    );
+    assert_eq!(json["surface"]["beta"], json["surface"]["rapidity"]);
+}

@@ -373,10 +373,17 @@ pub(crate) fn parse_diagram<D: DeserializeOwned, T>(
 ) -> Result<T> {
     let report = report(text, name, overrides)?;
     let file: file::Scene<D> = report.read()?;
-    let mut inputs = Inputs::new(base.to_path_buf(), Memory::default());
-    camera(&mut inputs, &FileCache::default(), &file);
+    let (mut inputs, cache) = (
+        Inputs::new(base.to_path_buf(), Memory::default()),
+        FileCache::default(),
+    );
+    camera(&mut inputs, &cache, &file);
+    for light in &file.light {
+        read_track(&mut inputs, &cache, &light.value.motion);
+    }
     let cx = Context::new(report, inputs, &file.speed_of_light)?;
-    resolve(&cx, &Kinematics::new(&cx, &file)?, file.diagram.as_ref())
+    let scene = Kinematics::new(&cx, &file)?.with_lamps(&cx, &file.light)?;
+    resolve(&cx, &scene, file.diagram.as_ref())
 }
 
 /// The text of a scene, with its overrides.

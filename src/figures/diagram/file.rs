@@ -22,8 +22,8 @@ pub(super) struct Diagram {
     /// A title above the diagram.
     pub title: Option<At<String>>,
     /// The unit of this table's numbers: "m", "mm", "cm", "km", or a time, with lengths as the time that
-    /// light takes for them: "ps", "ns", "us", "ms", "s", "min", "h", "d", "yr". Default: metres, with no unit
-    /// on the axes.
+    /// light takes for them at the scene's `speed_of_light`: "ps", "ns", "us", "ms", "s", "min", "h", "d", "yr". Default: metres,
+    /// with no unit on the axes.
     pub unit: Option<At<Unit>>,
     /// The range of x on the axes, [from, to]. Default: to fit the contents.
     pub x: Option<At<Numbers<2>>>,
@@ -161,7 +161,7 @@ pub(super) struct DiagramLine {
     // One of these ways: `of`; `at` with `velocity` and at most one kind of acceleration; `through`; `keyframes`. Which of them is
     // checked in `resolve`: an enum would lose the places of keys that exclude each other.
     /// The thing in the scene whose world line it is: "camera" (or "pinhole"), "sensor" (its centre), or the
-    /// name of an object.
+    /// name of an object, of a point or spot light, or of a pulse.
     pub of: Option<At<String>>,
     /// The event at which its clock shows 0. Default: [0, 0].
     pub at: Option<At<Place>>,
@@ -169,7 +169,8 @@ pub(super) struct DiagramLine {
     pub velocity: Option<At<Speed>>,
     /// The frame to which `velocity` is relative. Default: "world".
     pub relative_to: Option<At<String>>,
-    /// Constant proper acceleration along the diagram's direction: per unit of length, or a quantity like "1 g".
+    /// Constant proper acceleration along the diagram's direction: per unit of length, or a quantity like "1 g", with
+    /// the scene's `speed_of_light`.
     pub acceleration: Option<At<ProperAcceleration>>,
     /// One stretch of constant proper acceleration after the other, from the event `at` on.
     pub segments: Option<At<Vec<At<LineSegment>>>>,

@@ -22,8 +22,9 @@
 //! # The table of a scene file
 //!
 //! `[diagram]` names frames, world lines and events, in any order, and the elements drawn between them. Its numbers are plain, in its
-//! `unit`, times as ct: `[ct, x]` is an event, `velocity = 0.6` is β along x, an acceleration is one per unit. Objects of the scene (`of
-//! = "camera"`, `"sensor"` or an object's name) are converted from metres. x is the component along `direction`; anything beside that
+//! `unit`, times as ct: `[ct, x]` is an event, `velocity = 0.6` is β along x, an acceleration is one per unit. Units of time, and accelerations with
+//! a unit, are those of the scene's `speed_of_light`. Things of the scene (`of = "camera"`, `"sensor"`, or the name of an object, a lamp or a
+//! pulse) are converted from metres. x is the component along `direction`; anything beside that
 //! line is projected onto it, and light that goes there is then steeper than 45 degrees. Notes below the diagram say so
 //! ([`Layout::notes`]).
 //!

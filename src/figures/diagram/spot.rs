@@ -9,7 +9,6 @@ use serde::de::{Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::scene::{At, Number, Numbers, VelocityTable};
-use crate::spacetime::SPEED_OF_LIGHT;
 use crate::spacetime::units::Acceleration;
 
 /// An event: its name, [ct, x], or [ct, x, y].
@@ -41,11 +40,11 @@ pub(super) enum ProperAcceleration {
 }
 
 impl ProperAcceleration {
-    /// In 1/m (a/c²), where a number is one per `unit` metres.
-    pub fn per_metre(&self, unit: f64) -> f64 {
+    /// In 1/m (a/c²), where a number is one per `unit` metres, and light goes `c` metres in a second.
+    pub fn per_metre(&self, unit: f64, c: f64) -> f64 {
         match self {
             ProperAcceleration::PerUnit(number) => number.0 / unit,
-            ProperAcceleration::Quantity(quantity) => quantity.per_metre(SPEED_OF_LIGHT),
+            ProperAcceleration::Quantity(quantity) => quantity.per_metre(c),
         }
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::context::Context;
-use super::{camera, object, settings, velocity};
+use super::{camera, light, object, settings, source, velocity};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
@@ -18,6 +18,8 @@ pub(crate) struct Kinematics {
     pub camera: Option<CameraMotion>,
     /// The objects.
     pub objects: Vec<ObjectMotion>,
+    /// Point and spot lights, by name; empty without [`Kinematics::with_lamps`].
+    pub lamps: Vec<(String, WorldLine)>,
     /// Emissions of pulses, by name.
     pub pulses: Vec<(String, Event<World>)>,
     /// Refractive index of the medium.
@@ -47,10 +49,26 @@ impl Kinematics {
         Ok(Kinematics {
             camera: camera_motion(cx, &file.camera)?,
             objects: object_motions(cx, &file.object)?,
+            lamps: Vec::new(),
             pulses: pulses(cx, &file.source)?,
             medium_index: settings::medium_index(cx, &file.medium)?,
             effects: settings::effects(&file.effects),
             equations: file.model.value,
+        })
+    }
+
+    /// With the world lines of lamps, which only diagrams need.
+    pub(in crate::scene) fn with_lamps(
+        self,
+        cx: &Context,
+        lights: &[At<file::Light>],
+    ) -> Result<Self> {
+        let lamps = lights.iter().zip(light::names(lights));
+        let lamps = lamps.filter(|(at, _)| light::has_place(at.value.kind.value));
+        let line = |(at, name)| Ok((name, light::moving(cx, at)?.line));
+        Ok(Kinematics {
+            lamps: lamps.map(line).collect::<Result<_>>()?,
+            ..self
         })
     }
 
@@ -74,7 +92,9 @@ impl Kinematics {
             ["camera", "pinhole"].into_iter().chain(sensor)
         });
         let objects = self.objects.iter().map(|object| object.name.as_str());
-        camera.chain(objects).collect()
+        let lamps = self.lamps.iter().map(|(name, _)| name.as_str());
+        let pulses = self.pulses.iter().map(|(name, _)| name.as_str());
+        camera.chain(objects).chain(lamps).chain(pulses).collect()
     }
 }
 
@@ -112,11 +132,8 @@ fn object_motions(cx: &Context, objects: &[At<file::Object>]) -> Result<Vec<Obje
 }
 
 fn pulses(cx: &Context, sources: &[At<file::Source>]) -> Result<Vec<(String, Event<World>)>> {
-    let pulses = sources.iter().filter_map(|at| {
-        let pulse = at.value.pulse.as_ref()?;
-        let name = at.value.name.as_ref().map(|name| name.value.clone());
-        Some((name.unwrap_or_else(|| "pulse".into()), &pulse.value))
-    });
+    let named = sources.iter().zip(source::names(sources));
+    let pulses = named.filter_map(|(at, name)| Some((name, &at.value.pulse.as_ref()?.value)));
     pulses
         .map(|(name, pulse)| {
             let event = Event::new(cx.time(&pulse.time)?, pulse.position.value.vec());

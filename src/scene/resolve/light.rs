@@ -50,12 +50,7 @@ pub(super) fn resolve_all(
     }
     let explicit = lights.iter().filter_map(|at| at.value.name.as_ref());
     object::refuse_duplicates(cx, explicit, "light")?;
-    let entry = |at: &At<file::Light>| {
-        let name = at.value.name.as_ref().map(|name| name.value.clone());
-        (name, at.value.kind.value.name().to_string())
-    };
-    let names = names::unique(lights.iter().map(entry).collect());
-    let named = lights.iter().zip(names);
+    let named = lights.iter().zip(self::names(lights));
     named
         .map(|(at, name)| {
             Ok(Light {
@@ -66,6 +61,20 @@ pub(super) fn resolve_all(
             })
         })
         .collect()
+}
+
+/// The names of lights, those of the file or defaults.
+pub(super) fn names(lights: &[At<file::Light>]) -> Vec<String> {
+    let entry = |at: &At<file::Light>| {
+        let name = at.value.name.as_ref().map(|name| name.value.clone());
+        (name, at.value.kind.value.name().to_string())
+    };
+    names::unique(lights.iter().map(entry).collect())
+}
+
+/// Whether lights of this type have a position of their own.
+pub(super) fn has_place(kind: LightType) -> bool {
+    matches!(kind, LightType::Point | LightType::Spot)
 }
 
 fn span(at: &At<file::Light>) -> Range<usize> {
@@ -265,9 +274,9 @@ pub(super) fn refuse_those_of_cubes(
     Ok(())
 }
 
-fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
+/// The motion of a lamp.
+pub(super) fn moving(cx: &Context, at: &At<file::Light>) -> Result<Moving> {
     let light = &at.value;
-    let beam = beam(cx, at)?;
     let mover = Mover {
         noun: "light",
         position: (&light.position, "position"),
@@ -280,20 +289,26 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
     let start = path::start(cx, &mover)?;
     let position = start.as_ref().or(light.position.as_ref());
     // Parallel light has no position; its clock is that of the origin.
-    let position = match (position, beam) {
-        (Some(position), _) => position.value.vec(),
-        (None, Beam::Parallel(_)) => DVec3::ZERO,
-        (None, _) => {
+    let position = match position {
+        Some(position) => position.value.vec(),
+        None if !has_place(light.kind.value) => DVec3::ZERO,
+        None => {
             let help = "add position = [0, 3, 0], or set type = \"directional\"";
             return Err(cx.refuse(at, "this light has no position", help));
         }
     };
+    motion::resolve(cx, &mover, position)
+}
+
+fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
+    let light = &at.value;
+    let beam = beam(cx, at)?;
     let Moving {
         origin,
         velocity,
         motion,
         line,
-    } = motion::resolve(cx, &mover, position)?;
+    } = moving(cx, at)?;
     Ok(Lamp {
         intensity: intensity(cx, light, beam)?,
         spectrum: spectrum::resolve(

@@ -29,7 +29,7 @@ pub(super) fn resolve_all(
     refuse_many_pulses(cx, sources)?;
     let explicit = sources.iter().filter_map(|at| at.value.name.as_ref());
     object::refuse_duplicates(cx, explicit, "source")?;
-    let names = names::unique(sources.iter().map(|at| entry_names(&at.value)).collect());
+    let names = self::names(sources);
     // A surface is lit by one cube at most: the bindings track which are taken.
     let mut bindings = binding::Bindings::new(cx, objects);
     let mut resolved = Vec::with_capacity(sources.len());
@@ -89,6 +89,11 @@ fn refuse_companions(
     );
     let help = "set quantity = \"rgb\" in [radiance] or in the source's `radiance`";
     Err(cx.refuse(at, what, help))
+}
+
+/// The names of sources, those of the file or defaults.
+pub(super) fn names(sources: &[At<file::Source>]) -> Vec<String> {
+    names::unique(sources.iter().map(|at| entry_names(&at.value)).collect())
 }
 
 fn entry_names(source: &file::Source) -> (Option<String>, String) {

@@ -35,6 +35,29 @@ fn an_unknown_event_is_refused_with_the_one_that_was_meant() {
 }
 
 #[test]
+fn a_name_that_two_things_of_the_scene_have_is_refused_and_an_unknown_one_with_those_that_there_are()
+ {
+    let scene = "[[object]]\nname = \"lamp\"\nshape = { box = { size = [1, 1, 1] } }\n\
+                 [[light]]\nname = \"lamp\"\nposition = [0, 1, 0]\n\
+                 [[source]]\npulse = { position = [0, 0, 0], sigma = \"1 cm\" }\n";
+    for (of, what, help) in [
+        (
+            "lamp",
+            "2 things of the scene are named \"lamp\"",
+            "a name of its own",
+        ),
+        (
+            "sun",
+            "no world line of \"sun\"",
+            "those of: lamp, lamp, pulse",
+        ),
+    ] {
+        let body = format!("worldline = [{{ name = \"w\", of = \"{of}\" }}]\n{scene}");
+        check(&body, "diagram.worldline[0].of", what, help);
+    }
+}
+
+#[test]
 fn type_and_lines_that_are_larger_than_the_page_are_refused() {
     for key in ["font_size", "line_width"] {
         let place = format!("diagram.style.{key}");

@@ -117,7 +117,7 @@ fn film(scene: &Kinematics, camera: &CameraMotion, diagram: &mut Diagram) {
         diagram.frames.extend(scene::camera_frame(camera));
     }
     for name in ["camera", "sensor"] {
-        if let Some(track) = scene::track(scene, name) {
+        if let Some(track) = scene::camera(scene, name) {
             diagram.lines.push(line(name.into(), track));
         }
     }

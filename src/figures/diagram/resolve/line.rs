@@ -6,7 +6,6 @@ use glam::DVec3;
 
 use super::event::{found, given_twice, meeting};
 use super::names::Names;
-use super::scene;
 use super::settings;
 use crate::error::{Error, Result};
 use crate::figures::diagram::file::{DiagramLine, LineCircle, LineSegment};
@@ -81,7 +80,7 @@ fn track(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
 }
 
 fn of_scene(names: &Names, of: &At<String>) -> Result<Track> {
-    scene::track(names.scene, &of.value).ok_or_else(|| {
+    names.of_scene(&of.value, &of.span)?.ok_or_else(|| {
         let known = names.scene.names().join(", ");
         let what = format!(
             "the scene has no world line of {}",
@@ -125,7 +124,7 @@ fn from_event(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
     };
     let velocity = names.velocity(&line.velocity, &line.relative_to)?;
     if let Some(acceleration) = &line.acceleration {
-        let a = names.direction * acceleration.value.per_metre(names.unit);
+        let a = names.direction * names.per_metre(&acceleration.value);
         let track = WorldLine::hyperbolic(velocity, zero, a).map(Track::from);
         return track.map_err(|error| names.cx.refuse(acceleration, error.to_string(), ""));
     }
@@ -175,7 +174,7 @@ fn circle(names: &Names, at: &At<LineCircle>, zero: Event<World>) -> Result<Trac
 fn segments_of(names: &Names, at: &At<Vec<At<LineSegment>>>) -> Result<Vec<Segment>> {
     let segment = |segment: &At<LineSegment>| {
         let a = segment.value.acceleration.as_ref();
-        let a = a.map_or(0.0, |at| at.value.per_metre(names.unit));
+        let a = a.map_or(0.0, |at| names.per_metre(&at.value));
         let duration = settings::positive(names.cx, &segment.value.duration, "`duration`")?;
         Ok(Segment {
             duration: duration.map_or(f64::INFINITY, |d| d * names.unit),

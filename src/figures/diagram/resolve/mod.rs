@@ -30,7 +30,7 @@ pub(super) fn resolve(
     let at = table.unwrap_or(&nothing);
     let said = &at.value;
     content::refuse_many(cx, at, said, scene)?;
-    let unit = settings::unit(said);
+    let unit = settings::unit(cx, said);
     let direction = settings::direction(cx, said, scene)?;
     let across = settings::across(cx, said, direction, scene)?;
     let mut diagram = Diagram {

@@ -8,7 +8,7 @@ use super::{scene, settings};
 use crate::error::{Error, Result};
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{Diagram, NamedLine, Reference, Spot, Track};
-use crate::figures::diagram::spot::{OneOrMany, Place, Speed};
+use crate::figures::diagram::spot::{OneOrMany, Place, ProperAcceleration, Speed};
 use crate::scene::At;
 use crate::scene::Context;
 use crate::scene::Kinematics;
@@ -249,7 +249,7 @@ impl<'a> Names<'a> {
         if let Some(i) = self.line_names().iter().position(|name| *name == at.value) {
             return Ok(self.line(i, &at.span)?.track);
         }
-        if let Some(track) = scene::track(self.scene, &at.value) {
+        if let Some(track) = self.of_scene(&at.value, &at.span)? {
             return Ok(track);
         }
         let mut all = self.line_names();
@@ -259,14 +259,34 @@ impl<'a> Names<'a> {
 
     /// The world line that `spot` names, if it names one and no event.
     pub fn emitter(&mut self, spot: &At<Place>) -> Result<Option<Track>> {
+    /// The track of the thing of this name in the scene, if there is one.
+    pub fn of_scene(&self, name: &str, span: &Range<usize>) -> Result<Option<Track>> {
+        let mut found = scene::tracks(self.scene, name);
+        if found.len() > 1 {
+            let what = format!(
+                "{} things of the scene are named {}",
+                found.len(),
+                in_quotes(name)
+            );
+            let help = "give each a name of its own";
+            return Err(self.cx.report.refuse(span, what, help));
+        }
+        Ok(found.pop())
+    }
+
+    /// A proper acceleration, 1/m.
+    pub fn per_metre(&self, acceleration: &ProperAcceleration) -> f64 {
+        acceleration.per_metre(self.unit, self.cx.speed_of_light)
+    }
+
         let Place::Name(name) = &spot.value else {
             return Ok(None);
         };
         if self.event_names().contains(&name.as_str()) {
             return Ok(None);
         }
-        let known =
-            self.line_names().contains(&name.as_str()) || scene::track(self.scene, name).is_some();
+        let known = self.line_names().contains(&name.as_str())
+            || self.of_scene(name, &spot.span)?.is_some();
         if !known {
             let mut all = self.event_names();
             all.extend(self.line_names());

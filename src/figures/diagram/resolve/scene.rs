@@ -1,11 +1,12 @@
-//! World lines of the scene's camera and objects.
+//! World lines of the scene's camera, objects, lamps and pulses.
 
 use crate::figures::diagram::model::{Reference, Track};
 use crate::scene::{CameraMotion, Kinematics, ObjectMotion};
+use crate::spacetime::Velocity;
 use crate::spacetime::worldline::WorldLine;
 
-/// The world line of this name.
-pub(super) fn track(scene: &Kinematics, name: &str) -> Option<Track> {
+/// The world line of the camera or its sensor.
+pub(super) fn camera(scene: &Kinematics, name: &str) -> Option<Track> {
     if let Some(camera) = &scene.camera {
         match (name, camera.model.sensor) {
             ("camera" | "pinhole", _) => return Some(camera.line.clone().into()),
@@ -16,8 +17,21 @@ pub(super) fn track(scene: &Kinematics, name: &str) -> Option<Track> {
             _ => {}
         }
     }
-    let body = scene.objects.iter().find(|body| body.name == name)?;
-    Some(object_track(body))
+    None
+}
+
+/// The world lines of this name: that of the camera or its sensor, or else those of objects, lamps and pulses.
+pub(super) fn tracks(scene: &Kinematics, name: &str) -> Vec<Track> {
+    if let Some(track) = camera(scene, name) {
+        return vec![track];
+    }
+    let objects = scene.objects.iter().filter(|body| body.name == name);
+    let lamps = scene.lamps.iter().filter(|(known, _)| known == name);
+    let pulses = scene.pulses.iter().filter(|(known, _)| known == name);
+    let lines = lamps.map(|(_, line)| line.clone());
+    let rest = pulses.map(|(_, event)| WorldLine::inertial(Velocity::REST, *event));
+    let lines = lines.chain(rest).map(Track::from);
+    objects.map(object_track).chain(lines).collect()
 }
 
 /// The world line of an object.

@@ -13,7 +13,6 @@ use crate::scene::At;
 use crate::scene::Context;
 use crate::scene::Kinematics;
 use crate::scene::{Number, Numbers};
-use crate::spacetime::SPEED_OF_LIGHT;
 use crate::spacetime::units::Length;
 use crate::spacetime::{Direction, World};
 
@@ -22,12 +21,11 @@ const POINTS: f64 = 72.0 / 0.0254;
 /// The smallest relative distance of limits: closer ones cannot be distinguished on paper.
 const NARROWEST: f64 = 1e-9;
 
-/// The unit of a diagram's numbers. A unit of time is that of light in vacuum, whatever the scene's own speed of light: diagrams have c =
-/// 1.
-pub(super) fn unit(diagram: &file::Diagram) -> Unit {
+/// The unit of a diagram's numbers, which have c = 1: a unit of time is as many metres as light goes in it, at the scene's speed of light.
+pub(super) fn unit(cx: &Context, diagram: &file::Diagram) -> Unit {
     use file::Unit as U;
     let length = |metres, name| (metres, [name, name], false);
-    let time = |seconds: f64, names| (seconds * SPEED_OF_LIGHT, names, true);
+    let time = |seconds: f64, names| (seconds * cx.speed_of_light, names, true);
     let Some(at) = &diagram.unit else {
         return Unit::default();
     };

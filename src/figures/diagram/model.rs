@@ -50,7 +50,7 @@ pub struct Diagram {
     /// Lines of equal time or equal place.
     pub slices: Vec<Slice>,
     /// Intervals.
-    pub intervals: Vec<Segment>,
+    pub intervals: Vec<Interval>,
     /// Hyperbolae.
     pub hyperbolae: Vec<Hyperbola>,
     /// Curves that are not world lines.
@@ -271,6 +271,34 @@ pub struct Hyperbola {
     pub label: Option<String>,
     /// The colour.
     pub colour: Option<Colour>,
+}
+
+/// The interval between two events.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interval {
+    /// The events.
+    pub ends: [Event<World>; 2],
+    /// (Δct)² − |Δx|², square metres; below this in size if its kind is [`Kind::Unresolved`].
+    pub squared: f64,
+    /// Its kind.
+    pub kind: Kind,
+    /// Its label; `None` for its value.
+    pub label: Option<String>,
+    /// The colour; `None` for that of its kind.
+    pub colour: Option<Colour>,
+}
+
+/// The kind of an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A clock can be at both events.
+    Timelike,
+    /// A frame has both at one time.
+    Spacelike,
+    /// A light ray connects them.
+    Null,
+    /// Rounding hides which of these it is.
+    Unresolved,
 }
 
 /// Events joined by straight lines.

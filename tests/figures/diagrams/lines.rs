@@ -2,7 +2,7 @@
 
 use nullray::figures::diagram::Kind;
 
-use crate::diagrams::{event, near, panel, slope};
+use crate::diagrams::{event, laid_out, near, panel, parsed, slope};
 
 const TWINS: &str = "\
 worldline = [
@@ -140,6 +140,134 @@ fn intervals_have_their_value_and_kind() {
         ]
     );
     assert_eq!(panel.intervals[0].label, "Δ*τ* = 4");
+}
+
+#[test]
+fn intervals_keep_their_digits_at_any_speed() {
+    for gamma in ["1.25", "1e4", "5e6", "1e9", "1e15"] {
+        let panel = panel(&format!(
+            "frame = [{{ name = \"S'\", velocity = {{ gamma = {gamma} }} }}]\n\
+             worldline = [{{ name = \"f\", velocity = {{ gamma = {gamma} }} }}]\n\
+             event = [\n\
+             {{ name = \"O\", at = [0, 0] }}, {{ name = \"E\", at = [0, 1] }},\n\
+             {{ name = \"A\", at = [1, 2], frame = \"S'\" }}, {{ name = \"B\", at = [3, 2.5], frame = \"S'\" }},\n\
+             {{ name = \"C\", at = [2, 3], frame = \"S'\" }}, {{ name = \"P\", on = \"f\", proper_time = 1 }},\n\
+             {{ name = \"Q\", on = \"f\", proper_time = 4.5 }}, {{ name = \"R\", on = \"f\", light_from = \"E\" }},\n]\n\
+             interval = [\n\
+             {{ from = \"A\", to = \"B\" }}, {{ from = \"O\", to = \"P\" }}, {{ from = \"P\", to = \"Q\" }},\n\
+             {{ from = \"B\", to = \"Q\" }}, {{ from = \"A\", to = \"C\" }}, {{ from = \"E\", to = \"R\" }},\n]\n"
+        ));
+        // In S', in which f rests at the origin: (Δct)² − (Δx)².
+        let expected = [
+            (2.0 * 2.0 - 0.5 * 0.5, Kind::Timelike),
+            (1.0, Kind::Timelike),
+            (3.5 * 3.5, Kind::Timelike),
+            (1.5 * 1.5 - 2.5 * 2.5, Kind::Spacelike),
+            (0.0, Kind::Null),
+            (0.0, Kind::Null),
+        ];
+        for (interval, (squared, kind)) in panel.intervals.iter().zip(expected) {
+            assert_eq!(interval.kind, kind, "{gamma}: {interval:?}");
+            let is_right = (interval.squared - squared).abs() <= 1e-12;
+            assert!(is_right || kind == Kind::Null, "{gamma}: {interval:?}");
+        }
+        assert_eq!(panel.intervals[0].label, "Δ*τ* = 1.936");
+    }
+}
+
+#[test]
+fn an_interval_that_rounding_hides_is_not_said_to_be_that_of_light() {
+    let of = |gammas: [f64; 2]| {
+        let [a, b] = gammas;
+        laid_out(&format!(
+            "frame = [{{ name = \"S'\", velocity = {{ gamma = {a:e} }} }}, {{ name = \"S''\", velocity = {{ gamma = {b:e} }} }}]\n\
+             event = [{{ name = \"A\", at = [1, 0], frame = \"S'\" }}, {{ name = \"B\", at = [1, 0], frame = \"S''\" }}]\n\
+             interval = [{{ from = \"A\", to = \"B\" }}]\n"
+        ))
+    };
+    // Of two clocks that part at 0, when they show 1: s² = 2 − 2γ, with γ = γ_a γ_b (1 − β_a β_b) between them.
+    let slow = of([1.25, 5.0 / 3.0]);
+    let interval = &slow.panels[0].intervals[0];
+    let squared = 2.0 - 2.0 * (1.25 * 5.0 / 3.0) * (1.0 - 0.6 * 0.8);
+    assert_eq!(interval.kind, Kind::Spacelike);
+    assert!((interval.squared - squared).abs() < 1e-12, "{interval:?}");
+    assert!(slow.notes.is_empty());
+    // γ = (2 + ½)/2 at twice the e^w.
+    let fast = of([1e9, 2e9]);
+    let interval = &fast.panels[0].intervals[0];
+    assert_eq!(interval.kind, Kind::Unresolved);
+    assert!(interval.squared > 0.5, "{interval:?}");
+    assert!(interval.label.starts_with("|Δ*s*| < "), "{interval:?}");
+    assert!(fast.notes[0].text.contains("one frame"), "{:?}", fast.notes);
+}
+
+#[test]
+fn times_and_accelerations_have_the_speed_of_light_of_the_scene() {
+    let of = |unit: &str| {
+        let text = format!(
+            "speed_of_light = \"10 m/s\"\n\
+             [camera]\nforward = [0, 0, -1]\n\
+             motion = {{ keyframes = [{{ time = \"0 s\", position = [0, 0, 0] }}, {{ time = \"3 s\", position = [6, 0, 0] }}] }}\n\
+             [diagram]\nunit = \"{unit}\"\ndirection = [1, 0, 0]\n\
+             worldline = [{{ name = \"film\", of = \"camera\" }}, {{ name = \"ship\", acceleration = \"9.80665 m/s2\", from = [0, 0], to = [3, 0] }},\n\
+             {{ name = \"q\", segments = [{{ acceleration = \"0.5 c/s\" }}], from = [0, 0], to = [3, 0] }}]\n\
+             event = [{{ name = \"O\", at = [0, 0] }}, {{ name = \"P\", on = \"ship\", proper_time = 2 }}, {{ name = \"Q\", on = \"q\", proper_time = 1 }}]\n\
+             interval = [{{ from = \"O\", to = \"P\" }}, {{ from = \"O\", to = \"Q\" }}]\n"
+        );
+        let model = parsed(&text).unwrap_or_else(|error| panic!("{error}"));
+        nullray::figures::diagram::layout(&model).panels.remove(0)
+    };
+    // A clock with the acceleration a shows τ, one that coasts between the same events (2c/a) sinh(aτ/2c).
+    let coasting = |a: f64, time: f64| 2.0 / a * (0.5 * a * time).sinh();
+    for (unit, seconds) in [("s", 1.0), ("m", 0.1)] {
+        let panel = of(unit);
+        let points = &panel.world_lines[0].curve.points;
+        // 3 s, in which the camera goes as far as light in 0.6 s.
+        near(points[points.len() - 1], 3.0 / seconds, 0.6 / seconds);
+        for (interval, expected) in panel.intervals.iter().zip([
+            coasting(0.980_665 * seconds, 2.0),
+            coasting(0.5 * seconds, 1.0),
+        ]) {
+            let value = interval.squared.sqrt();
+            assert!(
+                (value - expected).abs() < 1e-9,
+                "{unit}: {value} is not {expected}"
+            );
+        }
+    }
+}
+
+const LAMPS: &str = "\
+[[light]]\nname = \"still\"\nposition = [2, 0, 0]\n\
+[[light]]\nname = \"moving\"\nposition = [1, 0, 0]\nclock_zero = \"2 m\"\nvelocity = { beta = [0.6, 0, 0] }\n\
+[[light]]\ntype = \"spot\"\nposition = [0, 0, 0]\ndirection = [0, -1, 0]\n\
+motion = { acceleration = { proper = \"1 /m\", direction = [1, 0, 0] } }\n\
+[[light]]\nposition = [1, 0, 0]\nmotion = { circle = { centre = [0, 0, 0], axis = [0, 0, 1], period = \"8 m\" } }\n\
+[[light]]\nname = \"path\"\n\
+motion = { keyframes = [{ time = \"0 m\", position = [0, 0, 0] }, { time = \"4 m\", position = [2, 0, 0] }] }\n\
+[[source]]\nname = \"flash\"\npulse = { position = [3, 0, 0], time = \"1 m\", sigma = \"5 cm\" }\n";
+
+#[test]
+fn lamps_and_pulses_of_a_scene_have_their_world_lines() {
+    let names = ["still", "moving", "spot", "point", "path", "flash"];
+    let lines = names.map(|name| format!("{{ name = \"of {name}\", of = \"{name}\" }}"));
+    let events = names.map(|name| match name {
+        "path" => "{ name = \"path\", on = \"of path\", simultaneous_with = [2, 0] }".to_string(),
+        name => format!("{{ name = \"{name}\", on = \"{name}\", proper_time = 1 }}"),
+    });
+    let panel = panel(&format!(
+        "direction = [1, 0, 0]\nworldline = [{}]\nevent = [{}]\nframe = [{{ name = \"of lamp\", of = \"moving\" }}]\n{LAMPS}",
+        lines.join(", "),
+        events.join(", ")
+    ));
+    near(event(&panel, "still"), 1.0, 2.0);
+    near(event(&panel, "moving"), 2.0 + 1.25, 1.0 + 0.75);
+    near(event(&panel, "spot"), 1f64.sinh(), 1f64.cosh() - 1.0);
+    let rate = std::f64::consts::FRAC_PI_4;
+    let ct = 1.0 / (1.0 - rate * rate).sqrt();
+    near(event(&panel, "point"), ct, (rate * ct).cos());
+    near(event(&panel, "path"), 2.0, 1.0);
+    near(event(&panel, "flash"), 2.0, 3.0);
 }
 
 #[test]

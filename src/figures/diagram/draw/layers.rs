@@ -241,7 +241,7 @@ impl Pen<'_> {
                 Kind::Timelike => &[],
                 // With round caps: dots.
                 Kind::Spacelike => &[0.1, 3.0],
-                Kind::Null => &[6.0, 2.5],
+                Kind::Null | Kind::Unresolved => &[6.0, 2.5],
             };
             items.push(self.line(interval.ends, stroke.dashed(dash)));
         }

@@ -92,8 +92,9 @@ fn at_least(range: [f64; 2], extent: f64) -> [f64; 2] {
 pub(super) fn contents(view: &View) -> Vec<Point> {
     let d = view.diagram;
     let mut events: Vec<_> = d.events.iter().map(|mark| mark.at).collect();
-    let segments = d.signals.iter().chain(&d.intervals).chain(&d.arrows);
+    let segments = d.signals.iter().chain(&d.arrows);
     events.extend(segments.flat_map(|segment| segment.ends));
+    events.extend(d.intervals.iter().flat_map(|interval| interval.ends));
     events.extend(
         d.slices
             .iter()

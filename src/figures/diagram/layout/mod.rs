@@ -9,12 +9,13 @@ mod solid;
 mod types;
 mod view;
 
+pub use crate::figures::diagram::model::Kind;
 use crate::figures::diagram::model::{Diagram, Segment, SliceKind, Spot};
 pub(crate) use axes::tick_step;
 pub(crate) use notes::of as notes;
 pub use types::{
-    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
-    Nappe, Note, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine,
+    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Layout, Limits, Nappe,
+    Note, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine,
 };
 pub(crate) use types::{around, number, speed, speed_with_rest};
 use view::View;
@@ -105,22 +106,19 @@ fn slices(view: &View, limits: &Limits) -> Vec<Segment<Point>> {
 fn intervals(view: &View) -> Vec<Interval> {
     let unit = view.diagram.unit.metres;
     let intervals = view.diagram.intervals.iter().map(|interval| {
-        let [from, to] = interval.ends;
-        let step = to - from;
-        let squared = step.interval() / unit / unit;
-        // The rounding error of a null interval, relative to the terms whose difference it is.
-        let rounding = 1e-12 * (step.ct.abs() + step.x.length()).powi(2) / unit / unit;
-        let kind = match squared {
-            s if s.abs() <= rounding => Kind::Null,
-            s if s > 0.0 => Kind::Timelike,
-            _ => Kind::Spacelike,
+        let squared = interval.squared / unit / unit;
+        let value = number(squared.abs().sqrt());
+        let own = match interval.kind {
+            Kind::Timelike => format!("Δ*τ* = {value}"),
+            Kind::Spacelike => format!("Δ*σ* = {value}"),
+            Kind::Null => "Δ*s* = 0".to_string(),
+            Kind::Unresolved => format!("|Δ*s*| < {value}"),
         };
-        let value = squared.abs().sqrt();
         Interval {
             ends: interval.ends.map(|event| view.point(event)),
             squared,
-            kind,
-            label: interval.label.clone().unwrap_or_else(|| kind.label(value)),
+            kind: interval.kind,
+            label: interval.label.clone().unwrap_or(own),
             colour: interval.colour,
         }
     });

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::types::{Note, Panel, number};
-use crate::figures::diagram::model::{Colour, Diagram};
+use crate::figures::diagram::model::{Colour, Diagram, Interval, Kind};
 use crate::figures::text::rich::escaped;
 
 /// The most world lines that a note names.
@@ -25,6 +25,12 @@ pub(crate) fn of(diagram: &Diagram, panels: &[Panel]) -> Vec<Note> {
             text: "dashed: light outside the plane of the diagram, its projection".into(),
             colour: Some(Colour::Orange),
         });
+    }
+    let hidden =
+        |interval: &Interval| interval.kind == Kind::Unresolved && interval.label.is_none();
+    if diagram.intervals.iter().any(hidden) {
+        let text = "|Δ*s*| < …: rounding hides it; events of one frame or inertial clock have their interval";
+        notes.push(note(text.into()));
     }
     notes.extend(directions(diagram).map(note));
     notes

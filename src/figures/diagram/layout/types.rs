@@ -1,6 +1,6 @@
 //! The parts of a layout.
 
-use crate::figures::diagram::model::{Colour, DrawnCurve, Segment, Spot};
+use crate::figures::diagram::model::{Colour, DrawnCurve, Kind, Segment, Spot};
 
 /// The view of 2+1 dimensions: turned about the ct axis by the angle whose cosine and sine these are, and seen from above, so
 /// that circles about that axis are ellipses of this height, in parts of their width. Turned this way, the planes of equal time
@@ -247,7 +247,7 @@ pub struct Placed {
 pub struct Interval {
     /// The events.
     pub ends: [Point; 2],
-    /// (Δct)² − (Δx)², in the diagram's unit, squared.
+    /// (Δct)² − |Δx|², in the diagram's unit, squared; below this in size if its kind is [`Kind::Unresolved`].
     pub squared: f64,
     /// Its kind.
     pub kind: Kind,
@@ -255,28 +255,6 @@ pub struct Interval {
     pub label: String,
     /// The colour.
     pub colour: Option<Colour>,
-}
-
-/// The kind of an interval.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// A clock can be at both events.
-    Timelike,
-    /// A frame has both at one time.
-    Spacelike,
-    /// A light ray connects them.
-    Null,
-}
-
-impl Kind {
-    /// The markup of an interval of this kind and proper time (or distance) `value`.
-    pub(super) fn label(self, value: f64) -> String {
-        match self {
-            Kind::Timelike => format!("Δ*τ* = {}", number(value)),
-            Kind::Spacelike => format!("Δ*σ* = {}", number(value)),
-            Kind::Null => "Δ*s* = 0".to_string(),
-        }
-    }
 }
 
 /// A line of simultaneity, and where it crosses the world lines.

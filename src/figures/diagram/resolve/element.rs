@@ -8,8 +8,8 @@ use super::settings::{self, words};
 use crate::error::Result;
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{
-    Cone, Diagram, DrawnCurve, Hyperbola, Region, Segment, Side, Slice, SliceKind, Spot, Track,
-    Wedge, WorldSheet,
+    Cone, Diagram, DrawnCurve, Hyperbola, Interval, Reference, Region, Segment, Side, Slice,
+    SliceKind, Spot, Track, Wedge, WorldSheet,
 };
 use crate::figures::diagram::spot::{OneOrMany, Place};
 use crate::scene::{At, Number};
@@ -214,18 +214,23 @@ fn slice_end(
     Ok(found(names, moment, &name.span, never)?.event)
 }
 
-fn interval(names: &mut Names, at: &At<file::Interval>) -> Result<Segment> {
+fn interval(names: &mut Names, at: &At<file::Interval>) -> Result<Interval> {
     let interval = &at.value;
     // An empty text is an empty label; `None` means the value.
     let label = match &interval.label {
         Some(label) => Some(settings::settable(names.cx, label, &label.value)?),
         None => None,
     };
-    Ok(Segment {
-        ends: [names.event(&interval.from)?, names.event(&interval.to)?],
+    let world = Reference::world().frame;
+    let from = names.given(&interval.from, &world)?;
+    let to = names.given(&interval.to, &world)?;
+    let (squared, kind) = from.interval(&to);
+    Ok(Interval {
+        ends: [from.event, to.event],
+        squared,
+        kind,
         label,
         colour: interval.colour,
-        owner: None,
     })
 }
 

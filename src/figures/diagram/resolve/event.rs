@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::given::Given;
 use super::names::Names;
 use crate::error::{Error, Result};
 use crate::figures::diagram::file::DiagramEvent;
@@ -13,7 +14,7 @@ const WHAT: &str = "this event is given twice";
 const ONE_WAY: &str = "give it in one way: `at`, `cross`, or `on` a world line with `proper_time`, `light_from`, \
                        `light_to` or `simultaneous_with`";
 
-pub(super) fn resolve(names: &mut Names, at: &At<DiagramEvent>) -> Result<Spot> {
+pub(super) fn resolve(names: &mut Names, at: &At<DiagramEvent>) -> Result<Spot<Given>> {
     let said = &at.value;
     Ok(Spot {
         name: said.name.value.clone(),
@@ -24,12 +25,12 @@ pub(super) fn resolve(names: &mut Names, at: &At<DiagramEvent>) -> Result<Spot> 
     })
 }
 
-fn event(names: &mut Names, at: &At<DiagramEvent>) -> Result<Event<World>> {
+fn event(names: &mut Names, at: &At<DiagramEvent>) -> Result<Given> {
     let said = &at.value;
     only_one_way(names, said)?;
     if let Some(spot) = &said.at {
         let (_, frame) = names.frame(&said.frame)?;
-        return names.event_in(spot, &frame);
+        return names.given(spot, &frame);
     }
     if let Some(cross) = &said.cross {
         return crossing(names, cross);
@@ -38,7 +39,7 @@ fn event(names: &mut Names, at: &At<DiagramEvent>) -> Result<Event<World>> {
         return Err(names.cx.refuse(at, "this event is nowhere", ONE_WAY));
     };
     let track = names.track(on)?;
-    Ok(on_track(names, said, &track, on)?.event)
+    on_track(names, said, &track, on)
 }
 
 fn span<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
@@ -82,26 +83,32 @@ fn on_track(
     said: &DiagramEvent,
     track: &Track,
     on: &At<String>,
-) -> Result<Moment> {
+) -> Result<Given> {
     if let Some(time) = &said.proper_time {
-        return at_own_time(names, track, time.value.0, &time.span);
+        let moment = at_own_time(names, track, time.value.0, &time.span)?;
+        return Ok(Given::by_clock(track, moment));
     }
     if let Some(spot) = &said.light_from {
         let event = names.event(spot)?;
         let never = "light from this event never reaches the world line";
-        return found(names, track.receives_from(event), &spot.span, never);
+        return Ok(found(names, track.receives_from(event), &spot.span, never)?
+            .event
+            .into());
     }
     if let Some(spot) = &said.light_to {
         let event = names.event(spot)?;
         let never = "no light of the world line reaches this event";
-        return found(names, track.emits_to(event), &spot.span, never);
+        return Ok(found(names, track.emits_to(event), &spot.span, never)?
+            .event
+            .into());
     }
     if let Some(spot) = &said.simultaneous_with {
         let event = names.event(spot)?;
         let (_, frame) = names.frame(&said.frame)?;
         let ct = frame.event_from_world(event).ct;
         let never = "the world line is not there at the time of this event";
-        return found(names, track.at_time(&frame, ct), &spot.span, never);
+        let moment = found(names, track.at_time(&frame, ct), &spot.span, never)?;
+        return Ok(Given::beside(moment));
     }
     Err(names.cx.refuse(on, "where on this world line?", ONE_WAY))
 }
@@ -135,11 +142,11 @@ pub(super) fn found(
 }
 
 /// Where two world lines cross: their distance along x, at equal world time, changes its sign.
-fn crossing(names: &mut Names, cross: &At<[At<String>; 2]>) -> Result<Event<World>> {
+fn crossing(names: &mut Names, cross: &At<[At<String>; 2]>) -> Result<Given> {
     let [first, second] = &cross.value;
     let (a, b) = (names.track(first)?, names.track(second)?);
     let moment = meeting(names, &a, &b);
-    moment.map(|m| m.event).ok_or_else(|| never(names, cross))
+    moment.map(Given::beside).ok_or_else(|| never(names, cross))
 }
 
 /// The moment of `a` at which it crosses `b`.

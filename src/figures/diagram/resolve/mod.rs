@@ -8,6 +8,7 @@ mod content;
 mod element;
 mod event;
 mod frame;
+mod given;
 mod line;
 mod names;
 mod placeholder;

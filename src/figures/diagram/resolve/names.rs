@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::given::Given;
 use super::{scene, settings};
 use crate::error::{Error, Result};
 use crate::figures::diagram::file;
@@ -33,7 +34,7 @@ enum Slot<T> {
 pub(super) struct Resolvers {
     pub frame: fn(&mut Names, &At<file::DiagramFrame>) -> Result<Reference>,
     pub line: fn(&mut Names, &At<file::DiagramLine>) -> Result<NamedLine>,
-    pub event: fn(&mut Names, &At<file::DiagramEvent>) -> Result<Spot>,
+    pub event: fn(&mut Names, &At<file::DiagramEvent>) -> Result<Spot<Given>>,
 }
 
 /// The names of a diagram.
@@ -51,7 +52,7 @@ pub(super) struct Names<'a> {
     /// The world, then those of the file, then the camera's unless the file has one of that name.
     frames: Vec<Slot<Reference>>,
     lines: Vec<Slot<NamedLine>>,
-    events: Vec<Slot<Spot>>,
+    events: Vec<Slot<Spot<Given>>>,
 }
 
 impl<'a> Names<'a> {
@@ -112,7 +113,8 @@ impl<'a> Names<'a> {
         }
         diagram.frames = known(&self.frames);
         diagram.lines = known(&self.lines);
-        diagram.events = known(&self.events);
+        let events = known(&self.events);
+        diagram.events = events.iter().map(|spot| spot.map(|at| at.event)).collect();
         Ok(())
     }
 
@@ -182,7 +184,7 @@ impl<'a> Names<'a> {
         )
     }
 
-    fn spot(&mut self, i: usize, span: &Range<usize>) -> Result<Spot> {
+    fn spot(&mut self, i: usize, span: &Range<usize>) -> Result<Spot<Given>> {
         let at = &self.file.event[i];
         self.known(
             |names| &mut names.events,
@@ -257,8 +259,6 @@ impl<'a> Names<'a> {
         Err(unknown(self.cx, &at.value, &at.span, &all, "world line"))
     }
 
-    /// The world line that `spot` names, if it names one and no event.
-    pub fn emitter(&mut self, spot: &At<Place>) -> Result<Option<Track>> {
     /// The track of the thing of this name in the scene, if there is one.
     pub fn of_scene(&self, name: &str, span: &Range<usize>) -> Result<Option<Track>> {
         let mut found = scene::tracks(self.scene, name);
@@ -279,6 +279,8 @@ impl<'a> Names<'a> {
         acceleration.per_metre(self.unit, self.cx.speed_of_light)
     }
 
+    /// The world line that `spot` names, if it names one and no event.
+    pub fn emitter(&mut self, spot: &At<Place>) -> Result<Option<Track>> {
         let Place::Name(name) = &spot.value else {
             return Ok(None);
         };
@@ -302,19 +304,15 @@ impl<'a> Names<'a> {
 
     /// The event at `spot`, coordinates being those of the world.
     pub fn event(&mut self, spot: &At<Place>) -> Result<Event<World>> {
-        self.event_in(spot, &Reference::world().frame)
+        Ok(self.given(spot, &Reference::world().frame)?.event)
     }
 
-    /// The event at `spot`, coordinates being those of `frame`.
-    pub fn event_in(
-        &mut self,
-        spot: &At<Place>,
-        frame: &InertialFrame<Rest>,
-    ) -> Result<Event<World>> {
+    /// The event at `spot` as it is given, coordinates being those of `frame`.
+    pub fn given(&mut self, spot: &At<Place>, frame: &InertialFrame<Rest>) -> Result<Given> {
         match &spot.value {
             Place::At(numbers) => {
                 let [ct, x] = numbers.0.map(|number| number * self.unit);
-                Ok(frame.event_to_world(Event::new(ct, self.direction * x)))
+                Ok(Given::within(frame, Event::new(ct, self.direction * x)))
             }
             Place::Deep(numbers) => {
                 let across = self.across.ok_or_else(|| {
@@ -323,7 +321,8 @@ impl<'a> Names<'a> {
                     self.cx.refuse(spot, what, help)
                 })?;
                 let [ct, x, y] = numbers.0.map(|number| number * self.unit);
-                Ok(frame.event_to_world(Event::new(ct, self.direction * x + across * y)))
+                let at = Event::new(ct, self.direction * x + across * y);
+                Ok(Given::within(frame, at))
             }
             Place::Name(name) => {
                 let i = find(self.cx, name, &spot.span, &self.event_names(), "event")?;

@@ -86,11 +86,12 @@ fn each_text(diagram: &mut Diagram, change: impl Fn(&mut String)) {
         ..
     } = diagram;
     let spots = events.iter_mut().chain(texts).map(|it| &mut it.label);
-    let segments = signals.iter_mut().chain(intervals).chain(arrows);
+    let segments = signals.iter_mut().chain(arrows);
     let all = spots
         .chain(segments.map(|it| &mut it.label))
         .chain(lines.iter_mut().map(|it| &mut it.label))
         .chain(slices.iter_mut().map(|it| &mut it.label))
+        .chain(intervals.iter_mut().map(|it| &mut it.label))
         .chain(hyperbolae.iter_mut().map(|it| &mut it.label))
         .chain(curves.iter_mut().map(|it| &mut it.label))
         .chain(sheets.iter_mut().map(|it| &mut it.label))

@@ -163,7 +163,7 @@ fn motion(
             None => subject(scene, request)?,
         };
         // Not the whole distance, so that the subject stays in view.
-        let a = (greatest.gamma() - 1.0) / distance(motion, scene, subject, 0.9)?;
+        let a = greatest.gamma_minus_one() / distance(motion, scene, subject, 0.9)?;
         let rapidity = greatest.rapidity().length();
         let shot = |k| {
             let w = part(k) * rapidity;

@@ -562,3 +562,44 @@ fn a_film_begins_where_the_scenes_own_camera_takes_its_picture() {
     });
     assert!(films[0] == films[1]);
 }
+
+/// From rest to 10⁻⁸ c within 2 m: the last picture is that of a camera which has gone there, as aberration by 10⁻⁸ is below what is seen.
+#[test]
+fn a_film_of_the_slowest_acceleration_goes_all_the_way() {
+    let folder = Folder::empty();
+    folder.write(
+        "box.toml",
+        "[camera]\neye = [1, 2, 6]\nlook_at = [0, 0, 0]\nsize = [24, 18]\n\
+         [[object]]\nshape = { box = { size = [1, 1, 1] } }\ncolour = [0.2, 0.4, 0.8]\n",
+    );
+    let options = [
+        "--direction=-z",
+        "--distance",
+        "2 m",
+        "--pictures",
+        "3",
+        "-o",
+        "a.apng",
+    ];
+    folder.ok(&[&["film", "box.toml", "--accelerate", "1e-8"], &options[..]].concat());
+    let frames = apng(&folder.read("a.apng"));
+    let turned = "camera.forward=[-1, -2, -6]";
+    for (eye, frame) in [("[1, 2, 6]", &frames[0]), ("[1, 2, 4]", &frames[2])] {
+        let eye = format!("camera.eye={eye}");
+        let scene = "[camera]\nsize = [24, 18]\n[[object]]\nshape = { box = { size = [1, 1, 1] } }\ncolour = [0.2, 0.4, 0.8]\n";
+        folder.write("still.toml", scene);
+        folder.ok(&[
+            "render",
+            "still.toml",
+            "--set",
+            &eye,
+            "--set",
+            turned,
+            "-o",
+            "a.png",
+        ]);
+        let still = picture(&folder, "a.png");
+        assert!(frame.2.iter().any(|code| *code > 50));
+        assert_near(frame, &still, 2);
+    }
+}

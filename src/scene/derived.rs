@@ -114,10 +114,7 @@ impl Motion {
             Motion::Segments(segments) => WorldLine::segments(velocity, zero, segments),
             Motion::Profile { knots, axes } => WorldLine::profile(velocity, zero, knots, *axes),
             Motion::Keyframes(events) => WorldLine::keyframes(events),
-            Motion::Animation {
-                events,
-                is_straight,
-            } => WorldLine::animation(events, *is_straight),
+            Motion::Animation { events, velocities } => WorldLine::animation(events, velocities),
             Motion::Circular { centre, axis, rate } => {
                 WorldLine::circular(zero, *centre, *axis, *rate)
             }

@@ -9,6 +9,11 @@
 //! ```
 //!
 //! and constant before the first and after the last time. STEP is refused: jumps are faster than light.
+//!
+//! Each of these has a rate per second, and with the angular velocity ω = 2 q′ q*/|q|² (its vector part) of a rotation q, whatever its length,
+//! transforms have one, too: (T R S)′ moves by T′ and turns by [ω]× R S + R S′, and (A B)′ = A′ B + A B′. The path of a node does not depend on
+//! its own rotation and scale. If only nodes are translated, it is a cubic between any two keys; if nodes above it turn or grow, it is
+//! replaced by cubics through places and velocities of the path, in pieces that are halved until they agree with it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -34,33 +39,29 @@ use crate::Result;
 pub struct GltfTrack {
     /// Seconds, ascending, and the node's origin, metres, in the coordinates of the file's root.
     pub points: Vec<(f64, DVec3)>,
-    /// Whether the node moves straight from each point to the next, at constant velocity: this is so if the animation only translates
-    /// nodes, linearly. Otherwise the points lie on a curve.
-    pub is_straight: bool,
+    /// The velocities just before and just after each point, metres per second. From each point to the next the path is the cubic that has
+    /// these at its ends.
+    pub velocities: Vec<[DVec3; 2]>,
     /// Whether the node also rotates along its path.
     pub turns: bool,
-    /// The rotation from the node's pose without the animation to that at each point.
-    pub rotations: Vec<DQuat>,
+    /// The node and those above it, starting at the root.
+    chain: Vec<Posed>,
+    /// Its directions without the animation.
+    still: DMat3,
 }
 
 impl GltfTrack {
-    /// The same at a time: between points along the shorter arc, and constant before the first and after the last.
+    /// The rotation from the node's pose without the animation to that at a time.
     pub fn rotation(&self, seconds: f64) -> DQuat {
-        let after = self.points.partition_point(|(time, _)| *time <= seconds);
-        let begin = after.min(self.rotations.len().max(1) - 1).max(1) - 1;
-        let (Some([(start, _), (end, _)]), Some([from, to])) = (
-            self.points.get(begin..begin + 2),
-            self.rotations.get(begin..begin + 2),
-        ) else {
-            return DQuat::IDENTITY;
-        };
-        let way = ((seconds - start) / (end - start)).clamp(0.0, 1.0);
-        DQuat::from_array(slerp(from.to_array(), to.to_array(), way)).normalize()
+        let turned = turned(&self.chain, seconds).unwrap_or(self.still);
+        DQuat::from_mat3(&(turned * self.still.transpose())).normalize()
     }
 }
 
-/// Number of segments between two times if the path is curved.
+/// The smallest number of pieces between two times if nodes turn or grow.
 const PIECES: usize = 8;
+/// How far the cubics may be from the path, relative to the length of the piece from which halving starts.
+const TOLERANCE: f64 = 1e-9;
 /// A node turns if an axis changes by more than this relative amount: ten times the rounding error of f32.
 const TURN: f64 = 1e-6;
 /// The maximum number of points of a track.
@@ -68,10 +69,12 @@ const MOST: usize = 100_000;
 /// The maximum number of values of all channels together, 40 bytes each with their times: keys that several channels share are read for
 /// each of them.
 const MOST_VALUES: usize = 1_000_000;
-/// The maximum number of transforms from which a track is computed, a second or two of work: those of 100 nodes or channels at all points.
+/// The maximum number of transforms at the points of a track before halving, of which six times as many are computed in all, a few seconds
+/// of work: those of 100 nodes or channels at all points.
 const MOST_STEPS: usize = 100 * MOST;
 
 /// The values of a channel.
+#[derive(Debug, Clone, PartialEq)]
 struct Channel {
     node: usize,
     property: Property,
@@ -101,54 +104,202 @@ pub(super) fn track(
         let help = "name a node that the animation moves, or one below such a node";
         return Err(document.invalid(place, what, help));
     }
-    let times = times(&channels);
-    let steps = times.len().saturating_mul(chain.len() + channels.len());
-    if times.len() > MOST || steps > MOST_STEPS {
+    let mut keys: Vec<f64> = (channels.iter()).flat_map(|c| c.times.clone()).collect();
+    keys.sort_by(f64::total_cmp);
+    keys.dedup();
+    let reshapes = |c: &Channel| c.property != Property::Translation;
+    let bends = (channels.iter()).any(|c| c.node != target && reshapes(c));
+    let times = match channels.iter().any(reshapes) {
+        true => divided(&keys),
+        false => keys.clone(),
+    };
+    let parts = chain.len() + channels.len();
+    let refuse = |document: &Document, points: usize| {
         let what = format!(
-            "its path has {} points, each by {} nodes and {} channels",
-            times.len(),
+            "its path has {points} points, each by {} nodes and {} channels",
             chain.len(),
-            channels.len()
+            parts - chain.len()
         );
         let help = format!(
             "at most {MOST} points, and {MOST_STEPS} times nodes and channels: export fewer keys"
         );
-        return Err(document.invalid(place, what, help));
+        Err(document.invalid(place.clone(), what, help))
+    };
+    if times.len() > MOST || times.len().saturating_mul(parts) > MOST_STEPS {
+        return refuse(document, times.len());
     }
     // In the order of the file: if two channels set the same property, the last one wins.
-    let mut by_node = BTreeMap::<usize, Vec<&Channel>>::new();
-    for channel in &channels {
+    let mut by_node = BTreeMap::<usize, Vec<Channel>>::new();
+    for channel in channels {
         by_node.entry(channel.node).or_default().push(channel);
     }
-    let own = |node| by_node.get(node).map_or(&[][..], Vec::as_slice);
     let posed = (chain.iter())
-        .map(|node| Posed::new(document, *node, own(node)))
+        .map(|node| Posed::new(document, *node, by_node.remove(node).unwrap_or_default()))
         .collect::<Result<Vec<_>>>()?;
-    let still = Hierarchy::new(document, &mut Warnings::default())?.world(target);
-    let still = directions(still).unwrap_or_default();
-    let (mut points, mut turned) = (Vec::new(), Vec::new());
-    for seconds in times {
-        let world = (posed.iter()).fold(DAffine3::IDENTITY, |world, node| world * node.at(seconds));
-        points.push((seconds, world.translation));
-        // Scale does not turn anything; where it is 0, directions are those before.
-        let before = turned.last().copied().unwrap_or(still);
-        turned.push(directions(world).unwrap_or(before));
+    let mut course = Course {
+        chain: &posed,
+        left: 6 * MOST_STEPS / parts,
+        points: Vec::new(),
+        velocities: Vec::new(),
+    };
+    course.follow(if bends { &times } else { &keys }, bends);
+    let Course {
+        left,
+        points,
+        velocities,
+        ..
+    } = course;
+    if left == 0 || points.len() > MOST {
+        return refuse(document, points.len());
     }
-    if !points.iter().all(|(_, x)| x.is_finite()) {
+    let is_finite = |[a, b]: &[DVec3; 2]| a.is_finite() && b.is_finite();
+    if !points.iter().all(|(_, x)| x.is_finite()) || !velocities.iter().all(is_finite) {
         let what = "its path goes beyond the range of numbers";
         return Err(document.invalid(place, what, "all points must be finite"));
     }
-    let turns = |d: &DMat3| {
-        let [y, z] = [d.y_axis - turned[0].y_axis, d.z_axis - turned[0].z_axis];
+    let still = Hierarchy::new(document, &mut Warnings::default())?.world(target);
+    let still = directions(still).unwrap_or_default();
+    let axes = |seconds: &f64| turned(&posed, *seconds).unwrap_or(still);
+    let first = times.first().map_or(still, axes);
+    let turns = |seconds: &f64| {
+        let d = axes(seconds);
+        let [y, z] = [d.y_axis - first.y_axis, d.z_axis - first.z_axis];
         y.length() > TURN || z.length() > TURN
     };
-    let rotation = |d: &DMat3| DQuat::from_mat3(&(*d * still.transpose())).normalize();
     Ok(GltfTrack {
         points,
-        is_straight: is_straight(&channels),
-        turns: turned.iter().any(turns),
-        rotations: turned.iter().map(rotation).collect(),
+        velocities,
+        turns: times.iter().any(turns),
+        chain: posed,
+        still,
     })
+}
+
+/// The directions of the last node of `chain` at a time; without all animated scales where these leave none.
+fn turned(chain: &[Posed], seconds: f64) -> Option<DMat3> {
+    let of = |scales: bool| directions(world(chain, [seconds; 2], scales).at);
+    of(true).or_else(|| of(false))
+}
+
+/// The transform of the last node of `chain` at a time, by the keys around another one.
+fn world(chain: &[Posed], times: [f64; 2], scales: bool) -> Moving {
+    let start = Moving {
+        at: DAffine3::IDENTITY,
+        rate: DAffine3::ZERO,
+    };
+    (chain.iter()).fold(start, |world, node| world.then(node.at(times, scales)))
+}
+
+/// The path of a node, while it is computed.
+struct Course<'c> {
+    chain: &'c [Posed],
+    /// The number of transforms left to compute it.
+    left: usize,
+    points: Vec<(f64, DVec3)>,
+    velocities: Vec<[DVec3; 2]>,
+}
+
+/// A time, and place and velocity then.
+#[derive(Clone, Copy)]
+struct Moment {
+    seconds: f64,
+    x: DVec3,
+    v: DVec3,
+}
+
+impl Course<'_> {
+    /// Adds the path at `times`, which include all keys, and what is needed in between if it `bends`.
+    fn follow(&mut self, times: &[f64], bends: bool) {
+        for pair in times.windows(2) {
+            let middle = pair[0].midpoint(pair[1]);
+            let ends = [pair[0], pair[1]].map(|seconds| self.at([seconds, middle]));
+            // The velocity may jump at the first of them.
+            match (self.velocities.last_mut(), ends[0]) {
+                (Some(velocities), Moment { v, .. }) => velocities[1] = v,
+                (None, first) => self.add(first),
+            }
+            let reach =
+                (ends[1].seconds - ends[0].seconds) * (ends[0].v.length() + ends[1].v.length());
+            let rounding = 8.0 * f64::EPSILON * ends[0].x.abs().max(ends[1].x.abs()).max_element();
+            match bends {
+                true => self.halve(ends, TOLERANCE * reach + rounding),
+                false => self.add(ends[1]),
+            }
+        }
+        if let ([seconds], true) = (times, self.points.is_empty()) {
+            let only = self.at([*seconds; 2]);
+            self.add(only);
+        }
+    }
+
+    fn at(&mut self, times: [f64; 2]) -> Moment {
+        self.left = self.left.saturating_sub(1);
+        let Moving { at, rate } = world(self.chain, times, true);
+        Moment {
+            seconds: times[0],
+            x: at.translation,
+            v: rate.translation,
+        }
+    }
+
+    fn add(&mut self, Moment { seconds, x, v }: Moment) {
+        self.points.push((seconds, x));
+        self.velocities.push([v, v]);
+    }
+
+    /// Adds the points after the first of `ends` up to the second, so many that the cubics between them are this near to the path.
+    fn halve(&mut self, ends: [Moment; 2], tolerance: f64) {
+        let [a, b] = ends;
+        let d = b.seconds - a.seconds;
+        let within = [0.25, 0.5, 0.75].map(|t| (t, self.at([a.seconds + t * d; 2])));
+        let is_far = within.iter().any(|(t, own)| {
+            let [from, out, to, into] = hermite(*t)[0];
+            let cubic = from * a.x + to * b.x + (out * a.v + into * b.v) * d;
+            (cubic - own.x).length() > tolerance
+        });
+        let middle = within[1].1;
+        let has_room = self.left > 0 && self.points.len() < MOST;
+        if is_far && has_room && a.seconds < middle.seconds && middle.seconds < b.seconds {
+            self.halve([a, middle], tolerance);
+            self.halve([middle, b], tolerance);
+        } else {
+            self.add(b);
+        }
+    }
+}
+
+/// The weights of value and slope before and after in a cubic, at the fraction t of its interval, and their rates; those of slopes are to be
+/// multiplied by its length.
+fn hermite(t: f64) -> [[f64; 4]; 2] {
+    let (t2, t3) = (t * t, t * t * t);
+    let (to, bend) = (3.0 * t2 - 2.0 * t3, 6.0 * (t - t2));
+    [
+        [2.0 * t3 - 3.0 * t2 + 1.0, t3 - 2.0 * t2 + t, to, t3 - t2],
+        [-bend, 3.0 * t2 - 4.0 * t + 1.0, bend, 3.0 * t2 - 2.0 * t],
+    ]
+}
+
+/// A transform and its rate per second.
+#[derive(Clone, Copy)]
+struct Moving {
+    at: DAffine3,
+    rate: DAffine3,
+}
+
+impl Moving {
+    /// The product with the transform of a node below.
+    fn then(self, below: Moving) -> Moving {
+        let (a, b) = (self.at.matrix3, below.at.matrix3);
+        Moving {
+            at: self.at * below.at,
+            rate: DAffine3 {
+                matrix3: self.rate.matrix3 * b + a * below.rate.matrix3,
+                translation: self.rate.matrix3 * below.at.translation
+                    + a * below.rate.translation
+                    + self.rate.translation,
+            },
+        }
+    }
 }
 
 /// Right, up and back of a node, as of a camera; `None` if its transform is singular or mirrors.
@@ -325,45 +476,30 @@ fn read(
     })
 }
 
-/// Whether the path is straight between the times of all channels: a sum of linear translations, with constant rotations and scales.
-fn is_straight(channels: &[Channel]) -> bool {
-    channels
-        .iter()
-        .all(|c| c.property == Property::Translation && c.interpolation == Interpolation::Linear)
-}
-
-/// All times at which a channel has values, and some in between where the path is curved.
-fn times(channels: &[Channel]) -> Vec<f64> {
-    let mut times: Vec<f64> = channels
-        .iter()
-        .flat_map(|c| c.times.iter().copied())
-        .collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    if is_straight(channels) {
-        return times;
-    }
-    let mut all = Vec::with_capacity(PIECES * times.len());
-    for pair in times.windows(2) {
+/// `keys`, and more times in between.
+fn divided(keys: &[f64]) -> Vec<f64> {
+    let mut all = Vec::with_capacity(PIECES * keys.len());
+    for pair in keys.windows(2) {
         let step = (pair[1] - pair[0]) / PIECES as f64;
         all.extend((0..PIECES).map(|k| pair[0] + k as f64 * step));
     }
-    all.extend(times.last());
+    all.extend(keys.last());
     all
 }
 
 /// A node and the channels that move it.
-struct Posed<'c> {
+#[derive(Debug, Clone, PartialEq)]
+struct Posed {
     /// Its own transform if no channel moves it.
     rest: DAffine3,
     translation: DVec3,
     rotation: [f64; 4],
     scale: DVec3,
-    channels: Vec<&'c Channel>,
+    channels: Vec<Channel>,
 }
 
-impl<'c> Posed<'c> {
-    fn new(document: &Document, node: usize, own: &[&'c Channel]) -> Result<Self> {
+impl Posed {
+    fn new(document: &Document, node: usize, channels: Vec<Channel>) -> Result<Self> {
         let numbers = document.transforms.get(node);
         Ok(Posed {
             rest: local(document, node, &mut Warnings::default())?,
@@ -371,56 +507,82 @@ impl<'c> Posed<'c> {
                 .map_or(DVec3::ZERO, DVec3::from_array),
             rotation: (numbers.and_then(|n| n.rotation)).unwrap_or(NO_ROTATION),
             scale: (numbers.and_then(|n| n.scale)).map_or(DVec3::ONE, DVec3::from_array),
-            channels: own.to_vec(),
+            channels,
         })
     }
 
-    /// Its own transform at a time.
-    fn at(&self, seconds: f64) -> DAffine3 {
+    /// Its own transform at the first of two times, by the keys around the second; with scale 1 if `scales` is false.
+    fn at(&self, times: [f64; 2], scales: bool) -> Moving {
         if self.channels.is_empty() {
-            return self.rest;
+            return Moving {
+                at: self.rest,
+                rate: DAffine3::ZERO,
+            };
         }
-        let (mut translation, mut rotation, mut scale) =
-            (self.translation, self.rotation, self.scale);
+        // Each with its rate.
+        let still = |v: [f64; 4]| [v, [0.0; 4]];
+        let mut translation = still(self.translation.extend(0.0).to_array());
+        let mut rotation = still(self.rotation);
+        let mut scale = still(self.scale.extend(0.0).to_array());
         for channel in &self.channels {
-            let [x, y, z, w] = channel.at(seconds);
-            match channel.property {
-                Property::Translation => translation = DVec3::new(x, y, z),
-                Property::Scale => scale = DVec3::new(x, y, z),
-                Property::Rotation => rotation = [x, y, z, w],
-                Property::MorphTargetWeights => {}
-            }
+            let to = match channel.property {
+                Property::Translation => &mut translation,
+                Property::Scale => &mut scale,
+                Property::Rotation => &mut rotation,
+                Property::MorphTargetWeights => continue,
+            };
+            *to = channel.at(times);
         }
-        let norm = rotation.iter().map(|c| c * c).sum();
-        placing(translation, (rotation, norm), scale)
+        if !scales {
+            scale = still([1.0; 4]);
+        }
+        let [[translation, moves], [scale, grows]] =
+            [translation, scale].map(|v| v.map(|[x, y, z, _]| DVec3::new(x, y, z)));
+        let [q, rate] = rotation.map(|[x, y, z, w]| (DVec3::new(x, y, z), w));
+        let norm = rotation[0].iter().map(|c| c * c).sum();
+        let spin = (rate.0 * q.1 - q.0 * rate.1 - rate.0.cross(q.0)) * (2.0 / norm);
+        let axes = placing(translation, (rotation[0], norm), DVec3::ONE).matrix3;
+        let turned = axes * DMat3::from_diagonal(scale);
+        let turns = |column: DVec3| spin.cross(column);
+        let [x, y, z] = [turned.x_axis, turned.y_axis, turned.z_axis].map(turns);
+        Moving {
+            at: DAffine3 {
+                matrix3: turned,
+                translation,
+            },
+            rate: DAffine3 {
+                matrix3: DMat3::from_cols(x, y, z) + axes * DMat3::from_diagonal(grows),
+                translation: moves,
+            },
+        }
     }
 }
 
 impl Channel {
-    /// The value at a time.
-    fn at(&self, seconds: f64) -> [f64; 4] {
-        let after = self.times.partition_point(|t| *t <= seconds);
+    /// The value at the first of two times, by the keys around the second, and its rate.
+    fn at(&self, [seconds, within]: [f64; 2]) -> [[f64; 4]; 2] {
+        let after = self.times.partition_point(|t| *t <= within);
         let last = self.times.len() - 1;
         if after == 0 || after > last {
-            return self.value(if after == 0 { 0 } else { last });
+            return [self.value(if after == 0 { 0 } else { last }), [0.0; 4]];
         }
         let (k, d) = (after - 1, self.times[after] - self.times[after - 1]);
         let t = (seconds - self.times[k]) / d;
         let (a, b) = (self.value(k), self.value(after));
-        match (self.interpolation, self.property) {
+        let [value, rate] = match (self.interpolation, self.property) {
             (Interpolation::CubicSpline, _) => {
-                let (out, into) = (self.values[3 * k + 2], self.values[3 * after]);
-                let (t2, t3) = (t * t, t * t * t);
-                std::array::from_fn(|i| {
-                    (2.0 * t3 - 3.0 * t2 + 1.0) * a[i]
-                        + d * (t3 - 2.0 * t2 + t) * out[i]
-                        + (3.0 * t2 - 2.0 * t3) * b[i]
-                        + d * (t3 - t2) * into[i]
+                let (m, n) = (self.values[3 * k + 2], self.values[3 * after]);
+                hermite(t).map(|[from, out, to, into]| {
+                    std::array::from_fn(|i| {
+                        from * a[i] + to * b[i] + d * (out * m[i] + into * n[i])
+                    })
                 })
             }
             (_, Property::Rotation) => slerp(a, b, t),
-            _ => std::array::from_fn(|i| a[i] + t * (b[i] - a[i])),
-        }
+            _ => [[1.0 - t, t], [-1.0, 1.0]]
+                .map(|[from, to]| std::array::from_fn(|i| from * a[i] + to * b[i])),
+        };
+        [value, rate.map(|r: f64| r / d)]
     }
 
     fn value(&self, k: usize) -> [f64; 4] {
@@ -431,15 +593,21 @@ impl Channel {
     }
 }
 
-/// Interpolates along the shorter arc between two unit quaternions.
-fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
+/// A multiple of the quaternion between two unit quaternions, along the shorter arc, and its rate.
+fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [[f64; 4]; 2] {
     let dot: f64 = (0..4).map(|i| a[i] * b[i]).sum();
     let angle = libm::acos(dot.abs().min(1.0));
-    let (from, to) = match angle > 1e-6 {
-        true => (libm::sin((1.0 - t) * angle), libm::sin(t * angle)),
-        false => (1.0 - t, t),
+    let weights = match angle > 1e-6 {
+        true => {
+            let [left, gone] = [(1.0 - t) * angle, t * angle];
+            [
+                [libm::sin(left), libm::sin(gone)],
+                [-angle * libm::cos(left), angle * libm::cos(gone)],
+            ]
+        }
+        false => [[1.0 - t, t], [-1.0, 1.0]],
     };
-    std::array::from_fn(|i| from * a[i] + to * b[i] * dot.signum())
+    weights.map(|[from, to]| std::array::from_fn(|i| from * a[i] + to * b[i] * dot.signum()))
 }
 
 /// The result of [`track`] for the file at `path`.

@@ -35,9 +35,8 @@ pub(in crate::scene) struct Motion {
     /// the last. The forward axis is look_at − the first position. 2 to 100000 entries.
     pub keyframes: Option<At<Vec<At<Keyframe>>>>,
     /// The path of a node of a glTF file by one of its animations, in place of `eye`, `velocity` and `clock_zero`: seconds of the
-    /// animation are world seconds, converted by `speed_of_light`. The world line passes smoothly through the positions at the
-    /// animation's times (and seven more between two of them where the path is curved), as for `keyframes`, and rests at the first before
-    /// it and at the last after it. The clock shows 0 at the first. A camera whose pose is given by `gltf` also turns with the
+    /// animation are world seconds, converted by `speed_of_light`. The world line follows the path of the node as glTF defines it, with short
+    /// turns where its velocity jumps, and rests at the first position before it and at the last after it. The clock shows 0 at the first. A camera whose pose is given by `gltf` also turns with the
     /// node, from picture to picture.
     pub animation: Option<At<Animation>>,
     /// A circle through `eye` at constant speed, in place of `velocity`, which follows from it.

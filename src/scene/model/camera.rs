@@ -127,8 +127,8 @@ pub enum Motion {
     Animation {
         /// The events, ascending in time.
         events: Vec<Event<World>>,
-        /// Whether the path between them is straight, with short turns, or a smooth curve.
-        is_straight: bool,
+        /// The velocities before and after each; between two events the path is the cubic with these, with short turns where they jump.
+        velocities: Vec<[DVec3; 2]>,
     },
     /// At constant speed around an axis.
     Circular {

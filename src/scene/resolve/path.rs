@@ -82,7 +82,9 @@ pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
     let events = track.points.iter().map(event).collect();
     Ok(Motion::Animation {
         events,
-        is_straight: track.is_straight,
+        velocities: (track.velocities.iter())
+            .map(|both| both.map(|v| v / cx.speed_of_light))
+            .collect(),
     })
 }
 

@@ -38,7 +38,7 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
             let node = animated(mover).map_or("", |animation| &animation.node.value);
             let seconds = ct / cx.speed_of_light;
             let what = format!(
-                "the smooth path of node {node:?} moves at |β| = {} at {} s of its animation",
+                "the path of node {node:?} moves at |β| = {} at {} s of its animation",
                 beta(speed),
                 number(seconds)
             );

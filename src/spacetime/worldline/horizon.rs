@@ -166,6 +166,10 @@ mod tests {
             event(1.7, 0.1, 0.0, 0.7),
             event(3.0, -0.4, 0.6, 0.2),
         ];
+        let ways = events.windows(2).map(|e| e[1] - e[0]);
+        let ways: Vec<DVec3> = ways.map(|way| way.x / way.ct).collect();
+        let at = |k: usize| [ways[k.max(1) - 1], ways[k.min(ways.len() - 1)]];
+        let velocities: Vec<_> = (0..events.len()).map(at).collect();
         let velocity = Velocity::from_beta(DVec3::new(0.4, -0.3, 0.6)).unwrap();
         let zero = event(0.5, 1.0, 0.0, 0.0);
         let (a, b) = (DVec3::new(0.9, 0.2, -0.5), DVec3::new(-0.3, 1.4, 0.8));
@@ -179,7 +183,7 @@ mod tests {
         let circle = WorldLine::circular(zero, DVec3::new(0.2, 0.1, 0.0), DVec3::Z, -0.9);
         vec![
             (WorldLine::keyframes(&events).unwrap(), 1.5),
-            (WorldLine::animation(&events, true).unwrap(), 4.0),
+            (WorldLine::animation(&events, &velocities).unwrap(), 4.0),
             (WorldLine::segments(velocity, zero, &segments).unwrap(), 3.0),
             (profile(Axes::Gyroscope), 2.9),
             (profile(Axes::World), 2.9),

@@ -1,6 +1,6 @@
 //! Motion along a curve through events of the world.
 //!
-//! The curve is [`super::spline`] or [`super::polyline`], its clock [`super::clock`]. With v = dx/dct and w = dv/dct the four-velocity is
+//! The curve is [`super::spline`] or [`super::cubics`], its clock [`super::clock`]. With v = dx/dct and w = dv/dct the four-velocity is
 //! γ(1, v), and the proper acceleration in the comoving, boosted axes is
 //!
 //! ```text
@@ -15,10 +15,10 @@ use glam::DVec3;
 
 use super::clock::Clock;
 use super::cone::past_cone;
+use super::cubics;
 use super::elapsed::Elapsed;
 use super::error::{WorldLineError, check_ascending, check_count};
 use super::horizon;
-use super::polyline;
 use super::series::{Series, SeriesCrossing};
 use super::spline;
 use super::state::{Crossing, State};
@@ -39,7 +39,14 @@ impl Keyframes {
     }
 
     pub fn straight(events: &[Event<World>]) -> Result<Self, WorldLineError> {
-        Keyframes::new(events, polyline::polyline)
+        Keyframes::new(events, cubics::polyline)
+    }
+
+    pub fn cubic(
+        events: &[Event<World>],
+        velocities: &[[DVec3; 2]],
+    ) -> Result<Self, WorldLineError> {
+        Keyframes::new(events, |events| cubics::cubics(events, velocities))
     }
 
     fn new(

@@ -8,7 +8,7 @@
 //! | [profile](WorldLine::profile) | proper acceleration over proper time | first to last knot |
 //! | [keyframes](WorldLine::keyframes) | events of the world, a smooth curve between | first to last event |
 //! | [polyline](WorldLine::polyline) | events of the world, straight between | first to last event |
-//! | [animation](WorldLine::animation) | the same of either kind; at rest before the first and after the last event | all |
+//! | [animation](WorldLine::animation) | events of the world and velocities there; at rest before the first and after the last event | all |
 //! | [circular](WorldLine::circular) | axis and rate | all |
 //!
 //! Proper time τ and world time ct are in metres, accelerations in 1/m (1 m⁻¹ is c²/m = 9·10¹⁶ m/s²).
@@ -47,12 +47,12 @@ mod arcs;
 mod circular;
 mod clock;
 mod cone;
+mod cubics;
 mod elapsed;
 mod error;
 mod horizon;
 mod hyperbola;
 mod keyframes;
-mod polyline;
 mod profile;
 mod root;
 mod rounding;

@@ -29,6 +29,7 @@ pub(super) fn natural(events: &[Event<World>]) -> Result<Series, WorldLineError>
         events: events.to_vec(),
         ..Series::default()
     };
+    let mut spans = Vec::new();
     for index in 0..events.len() - 1 {
         let way = events[index + 1] - events[index];
         let coefficients = span(way.ct, way.x, bends[index], bends[index + 1]);
@@ -44,8 +45,14 @@ pub(super) fn natural(events: &[Event<World>]) -> Result<Series, WorldLineError>
         series
             .coefficients
             .extend::<Vec<DVec4>>(with_time.collect());
+        spans.push(Span {
+            index,
+            start: events[index].ct,
+            time: way.ct,
+            coefficients,
+        });
     }
-    check_speed(&series)?;
+    check_speed(&spans)?;
     Ok(series)
 }
 
@@ -77,27 +84,46 @@ fn second_derivatives(events: &[Event<World>]) -> Vec<DVec3> {
     bends
 }
 
-/// Refuses a curve that is not slower than light, reporting the fastest of its spans.
-fn check_speed(series: &Series) -> Result<(), WorldLineError> {
-    let velocities = series.pieces.iter().map(|piece| velocity(series, piece));
-    let too_fast = velocities
-        .enumerate()
-        .filter(|(_, v)| !is_slow(*v, HALVINGS));
-    let fastest = too_fast
-        .map(|(index, v)| (index, fastest(v)))
-        .reduce(|a, b| if b.1.1 > a.1.1 { b } else { a });
-    let Some((index, (u, speed))) = fastest else {
-        return Ok(());
-    };
-    let ct = series.parameters[index] + series.pieces[index].scale * u;
-    Err(WorldLineError::Superluminal { index, ct, speed })
+/// The cubic from one event to the next.
+pub(super) struct Span {
+    /// The index of the event at its beginning.
+    pub index: usize,
+    /// Its world time at the beginning, and the time that it takes.
+    pub start: f64,
+    pub time: f64,
+    /// c₁, c₂, c₃ of x − x₀ in u.
+    pub coefficients: [DVec3; 3],
 }
 
-/// The Bernstein coefficients of the velocity c₁ + 2c₂u + 3c₃u², over h.
-fn velocity(series: &Series, piece: &Piece) -> [DVec3; 3] {
-    let c = &series.coefficients[piece.first..piece.first + piece.count];
-    let [c1, c2, c3] = [0, 1, 2].map(|k| c[k].truncate() / piece.scale);
-    [c1, c1 + c2, c1 + c2 * 2.0 + c3 * 3.0]
+/// Refuses a curve that is not slower than light, reporting the fastest of its spans.
+pub(super) fn check_speed(spans: &[Span]) -> Result<(), WorldLineError> {
+    let too_fast = spans
+        .iter()
+        .filter(|span| !is_slow(span.velocity(), HALVINGS));
+    let fastest = too_fast
+        .map(|span| (span, fastest(span.velocity())))
+        .reduce(|a, b| if b.1.1 > a.1.1 { b } else { a });
+    let Some((span, (u, speed))) = fastest else {
+        return Ok(());
+    };
+    Err(WorldLineError::Superluminal {
+        index: span.index,
+        ct: span.start + span.time * u,
+        speed,
+    })
+}
+
+impl Span {
+    /// Whether its velocity is constant.
+    pub fn is_straight(&self) -> bool {
+        self.coefficients[1..] == [DVec3::ZERO; 2]
+    }
+
+    /// The Bernstein coefficients of the velocity c₁ + 2c₂u + 3c₃u², over h.
+    fn velocity(&self) -> [DVec3; 3] {
+        let [c1, c2, c3] = self.coefficients.map(|c| c / self.time);
+        [c1, c1 + c2, c1 + c2 * 2.0 + c3 * 3.0]
+    }
 }
 
 /// Whether the velocity with Bernstein coefficients `v` (degree 2) is below the limit everywhere.
@@ -122,6 +148,9 @@ fn is_slow(v: [DVec3; 3], halvings: u32) -> bool {
 /// The position in [0, 1] of the highest speed, and that speed, for the message: by sampling, then by ternary search around the best
 /// sample.
 fn fastest([a, b, c]: [DVec3; 3]) -> (f64, f64) {
+    if a == b && b == c {
+        return (0.0, a.length());
+    }
     let speed = |u: f64| (a.lerp(b, u)).lerp(b.lerp(c, u), u).length();
     let sample = |i: u32| f64::from(i) / 64.0;
     let best = (0..=64)
@@ -137,6 +166,13 @@ fn fastest([a, b, c]: [DVec3; 3]) -> (f64, f64) {
             high -= third;
         }
     }
-    let middle = 0.5 * (low + high);
-    (middle, speed(middle))
+    // At an end it may have a slope.
+    let ends = [0.0, 1.0].into_iter();
+    let found = ends.fold(0.5 * (low + high), |best, u| {
+        match speed(u) >= speed(best) {
+            true => u,
+            false => best,
+        }
+    });
+    (found, speed(found))
 }

@@ -96,20 +96,17 @@ impl WorldLine {
         Ok(Kind::Keyframes(Keyframes::straight(events)?).into())
     }
 
-    /// The line of an animation: through `events`, straight ([`WorldLine::polyline`]) or smoothly ([`WorldLine::keyframes`]), and at rest
-    /// before the first of them and after the last one. The velocity jumps at both; proper time is 0 at the first.
+    /// The line of an animation: through `events` by cubics in world time that have `velocities` before and after each (dx/dct, as many as
+    /// events), and at rest before the first event and after the last one. The velocity jumps at both; proper time is 0 at the first. Where
+    /// it would jump at an inner event, it changes within a short time as in a [`WorldLine::polyline`].
     ///
     /// # Errors
     /// As for [`keyframes`](WorldLine::keyframes).
     pub fn animation(
         events: &[Event<World>],
-        is_straight: bool,
+        velocities: &[[DVec3; 2]],
     ) -> Result<WorldLine, WorldLineError> {
-        let line = match is_straight {
-            true => Keyframes::straight(events)?,
-            false => Keyframes::smooth(events)?,
-        };
-        Ok(Kind::Keyframes(line.resting()).into())
+        Ok(Kind::Keyframes(Keyframes::cubic(events, velocities)?.resting()).into())
     }
 
     /// At constant speed around the axis through the point `centre` along `axis` (of any length but 0), at `rate` radians per metre of

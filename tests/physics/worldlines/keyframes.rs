@@ -8,7 +8,7 @@ use crate::worldlines::lines::{Sequence, apart, event, keys, length, turn};
 
 /// The proper time at which `line` is at world time `ct`, by bisection.
 fn when(line: &WorldLine, ct: f64) -> f64 {
-    let [mut low, mut high] = line.span();
+    let [mut low, mut high] = line.rests().unwrap_or(line.span());
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if line.state(middle).unwrap().event.ct < ct {
@@ -296,24 +296,42 @@ fn a_polyline_is_as_fast_as_its_fastest_way() {
     ));
 }
 
-/// Between its events the line of an animation is the other line to the bit; before and after, at rest, its clock runs as fast as
+/// Between its events the line of an animation is the other line; before and after, at rest, its clock runs as fast as
 /// the world's. Wherever the cone's apex is, the crossing is the one event of the line from which light gets there.
 #[test]
 fn an_animation_rests_before_its_first_event_and_after_its_last() {
     let keys = keys();
     let mut numbers = Sequence(14);
     for is_straight in [false, true] {
-        let line = WorldLine::animation(&keys, is_straight).unwrap();
+        // A natural spline is the cubics with its own velocities; those of straight paths jump at inner events.
         let between = match is_straight {
             true => WorldLine::polyline(&keys).unwrap(),
             false => WorldLine::keyframes(&keys).unwrap(),
         };
-        let [first, last] = between.span();
-        assert_eq!(line.rests(), Some([first, last]));
+        let velocities: Vec<[DVec3; 2]> = match is_straight {
+            true => {
+                let ways = keys.windows(2).map(|pair| pair[1] - pair[0]);
+                let ways: Vec<DVec3> = ways.map(|way| way.x / way.ct).collect();
+                let at = |k: usize| [ways[k.max(1) - 1], ways[k.min(ways.len() - 1)]];
+                (0..keys.len()).map(at).collect()
+            }
+            false => {
+                let velocity = |key: &Event<World>| at_time(&between, key.ct).velocity.beta();
+                keys.iter().map(|key| [velocity(key); 2]).collect()
+            }
+        };
+        let line = WorldLine::animation(&keys, &velocities).unwrap();
+        let [first, last] = line.rests().unwrap();
+        let [begin, end] = between.span();
+        assert!(first == begin && (last - end).abs() < 1e-13, "{last} {end}");
         assert_eq!(line.span(), [f64::NEG_INFINITY, f64::INFINITY]);
         for part in 0..=64 {
             let time = first + (last - first) * f64::from(part) / 64.0;
-            assert_eq!(line.state(time), between.state(time), "{time}");
+            let time = time.min(end);
+            let [a, b] = [&line, &between].map(|line| line.state(time).unwrap());
+            assert!(apart(a.event, b.event) < 1e-13, "{time}: {a:?} {b:?}");
+            let slower = a.velocity.beta() - b.velocity.beta();
+            assert!(slower.length() < 1e-12, "{time}: {slower}");
         }
         for (time, event) in [(first - 3.5, keys[0]), (last + 2.25, keys[4])] {
             let state = line.state(time).unwrap();
@@ -344,5 +362,67 @@ fn an_animation_rests_before_its_first_event_and_after_its_last() {
             seen[usize::from(time >= first) + usize::from(time > last)] += 1;
         }
         assert!(seen.iter().all(|count| *count > 300), "{seen:?}");
+    }
+}
+
+/// x = 4h t(1 − t), a cubic with the slopes ±4h at its ends: its place and velocity are known at all times, and so is where it is fastest.
+#[test]
+fn between_its_events_an_animation_is_the_cubic_with_their_velocities() {
+    let events = [event(0.0, 0.0, 0.0, 7.0), event(1.0, 0.0, 0.0, 7.0)];
+    let line = |slope: f64| {
+        let [up, down] = [DVec3::X * slope, DVec3::X * -slope];
+        WorldLine::animation(&events, &[[up; 2], [down; 2]])
+    };
+    let slow = line(0.6).unwrap();
+    let end = slow.rests().unwrap()[1];
+    for part in 0..=32 {
+        let state = slow.state(end * f64::from(part) / 32.0).unwrap();
+        let ct = state.event.ct;
+        let expected = Event::new(ct, DVec3::new(0.6 * ct * (1.0 - ct), 0.0, 7.0));
+        assert!(apart(state.event, expected) < 1e-15, "{state:?}");
+        let velocity = DVec3::X * (0.6 * (1.0 - 2.0 * ct));
+        assert!((state.velocity.beta() - velocity).length() < 1e-14);
+        let bend = coordinate_acceleration(&state) + DVec3::X * 1.2;
+        assert!(bend.length() < 1e-13, "{bend}");
+    }
+    let error = line(1.04).unwrap_err();
+    let is_meant = |ct: f64, speed: f64| (ct == 0.0 || ct == 1.0) && (speed - 1.04).abs() < 1e-15;
+    assert!(
+        matches!(error, WorldLineError::Superluminal { index: 0, ct, speed } if is_meant(ct, speed)),
+        "{error:?}"
+    );
+    // Velocities are as many as events, and finite.
+    assert!(WorldLine::animation(&events, &[[DVec3::ZERO; 2]]).is_err());
+    assert!(WorldLine::animation(&events, &[[DVec3::NAN; 2]; 2]).is_err());
+}
+
+/// Two parabolas with a corner between them: each is followed up to a sixteenth of its time from the corner, and the velocity goes from
+/// one to the other without a jump.
+#[test]
+fn where_the_velocity_of_an_animation_jumps_it_turns_within_a_sixteenth_of_the_time() {
+    let events = [0.0, 1.0, 3.0].map(|ct| event(ct, 0.0, 0.0, 0.0));
+    let slopes = [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5]];
+    let velocities = slopes.map(|both| both.map(|v| DVec3::Y * v));
+    let line = WorldLine::animation(&events, &velocities).unwrap();
+    let way = |ct: f64| match ct < 1.0 {
+        true => 0.5 * ct * (1.0 - ct),
+        false => 0.25 * (ct - 1.0) * (3.0 - ct),
+    };
+    for ct in [0.2, 0.9, 0.937, 1.063, 1.1, 2.5] {
+        let place = at_time(&line, ct).event.x;
+        assert!(
+            (place - DVec3::Y * way(ct)).length() < 1e-14,
+            "{ct}: {place}"
+        );
+    }
+    let mut before = at_time(&line, 0.93).velocity.beta().y;
+    for step in 0..=1400 {
+        let velocity = at_time(&line, 0.93 + 1e-4 * f64::from(step)).velocity;
+        let v = velocity.beta().y;
+        assert!(
+            (v - before).abs() < 2e-3 && v.abs() < 0.5,
+            "{step}: {before} {v}"
+        );
+        before = v;
     }
 }

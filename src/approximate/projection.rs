@@ -39,13 +39,13 @@
 use glam::{DMat3, DVec3};
 
 use crate::accel::vectors::{BLOCK, Block, Vectors};
-use crate::camera::{AnyProjection, Camera, Linear, Point, Projection as _};
+use crate::camera::{AnyProjection, Camera, Linear, Point, Projection as _, Shot};
 use crate::error::{Error, Result, Setting};
 use crate::render::aov::Aov;
 use crate::render::film::Film;
 use crate::render::prepare::Prepared;
 use crate::spacetime::{
-    self, Boost, Direction, Displacement, Event, InertialFrame, Rest, Velocity, World,
+    self, Boost, Direction, Displacement, InertialFrame, Rest, Velocity, World,
 };
 
 /// A camera whose rays all leave one event.
@@ -53,7 +53,7 @@ use crate::spacetime::{
 pub struct Observer {
     film: AnyProjection,
     linear: Linear,
-    event: Event<World>,
+    shot: Shot,
     /// `None` if directions of the world are used as the camera's.
     camera_from_world: Option<Boost<spacetime::CameraFrame, World>>,
     world_from_camera: Boost<World, spacetime::CameraFrame>,
@@ -290,7 +290,7 @@ impl Observer {
         Ok(Observer {
             film: shot.projection.clone(),
             linear: shot.projection.linear().ok_or_else(curved)?,
-            event: shot.event,
+            shot: shot.clone(),
             camera_from_world,
             world_from_camera: *frame.world_from_frame(),
             index,
@@ -329,7 +329,7 @@ impl Observer {
         let mut projection = ApparentProjection {
             observer: self,
             apparent: Apparent {
-                origin: frame.event_from_world(self.event).x,
+                origin: self.shot.event_in(frame).x,
                 stretch: (n, stretch),
                 world_from_optical,
                 camera_from_world: self.camera_from_world.unwrap_or(rest),

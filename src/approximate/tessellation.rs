@@ -156,8 +156,8 @@ fn samples(
     progress: &dyn Progress,
 ) -> Result<Vec<Sample>> {
     let size = prepared.layout.size;
-    let event = prepared.camera.shot.event;
-    let surfaces = Surfaces::unbuffered(&prepared.frames, event, prepared.ray_index);
+    let event_in = |frame: &_| prepared.camera.shot.event_in(frame);
+    let surfaces = Surfaces::unbuffered(&prepared.frames, event_in, prepared.ray_index);
     let tile = |hits: &mut HitBuffer, index: u64| {
         if progress.is_cancelled() {
             return Err(Error::Cancelled);

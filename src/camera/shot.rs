@@ -7,7 +7,7 @@ use super::projection::rotation_matrix;
 use crate::error::{Error, Result};
 use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::worldline::{State, WorldLine};
-use crate::spacetime::{self, Event, InertialFrame, World};
+use crate::spacetime::{self, Event, Frame, InertialFrame, World};
 
 /// A camera at the moment of its shot, or when its shutter opens.
 #[derive(Debug, Clone)]
@@ -18,6 +18,8 @@ pub struct Shot {
     pub frame: InertialFrame<spacetime::CameraFrame>,
     /// The pinhole's event then.
     pub event: Event<World>,
+    /// What the camera's clock shows then, if it moves without acceleration: the clock of its frame.
+    time: Option<f64>,
 }
 
 impl Shot {
@@ -41,7 +43,19 @@ impl Shot {
             // Without acceleration that is the event of the scene, without rounding.
             frame: InertialFrame::new(state.velocity, if inertial { model.origin } else { origin }),
             event: state.event,
+            time: inertial.then_some(model.time),
         })
+    }
+
+    /// The pinhole's event then, in the coordinates of `frame`: from the camera's clock if both move in the world without acceleration, so
+    /// that no digit is lost to large coordinates there.
+    pub fn event_in<F: Frame>(&self, frame: &InertialFrame<F>) -> Event<F> {
+        match self.time {
+            Some(time) if !self.frame.velocity().is_rest() && !frame.velocity().is_rest() => {
+                frame.event_of_clock(&self.frame, time)
+            }
+            _ => frame.event_from_world(self.event),
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::mesh::solid_angle;
 use crate::render::prepare::Prepared;
 use crate::render::trace::{Emitter, HitBuffer, Meter, Patch, Rays, Surfaces};
 use crate::scene::model::{Beam, LightKind, Scene, SourceKind};
-use crate::spacetime::{Event, World};
+use crate::spacetime::{Event, InertialFrame, World};
 
 /// A lamp inside a body, whose outside it lights only through openings.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -70,12 +70,12 @@ pub fn glass_around_camera(prepared: &Prepared) -> Option<usize> {
         Emitter::Lit { finish, .. } => finish.glass.is_some_and(|glass| glass.solid),
         _ => false,
     };
-    let shot = prepared.camera.shot.event;
+    let shot = &prepared.camera.shot;
     for rest in &prepared.frames {
         if !rest.patches.iter().any(is_glass) {
             continue;
         }
-        let at = rest.frame.event_from_world(shot).x;
+        let at = shot.event_in(&rest.frame).x;
         let mut angles: BTreeMap<u32, f64> = BTreeMap::new();
         for slot in 0..rest.bvh.len() as u32 {
             let patch = rest.patch(rest.bvh.triangle(slot).0);
@@ -176,7 +176,8 @@ fn each_front(bvh: &Bvh, origin: DVec3, direction: DVec3, reach: f64, mut each: 
 /// may close a body that stands on it.
 fn around(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     let directions = directions();
-    let surfaces = Surfaces::unbuffered(&prepared.frames, at, prepared.ray_index);
+    let event_in = |frame: &InertialFrame<_>| frame.event_from_world(at);
+    let surfaces = Surfaces::unbuffered(&prepared.frames, event_in, prepared.ray_index);
     let rays = Rays::from_shot(&directions, prepared.method);
     let mut hits = HitBuffer::default();
     surfaces.nearest(&rays, &mut hits, &mut Meter::off());

@@ -364,6 +364,15 @@ impl<F: Frame> InertialFrame<F> {
         Event::ORIGIN + self.frame_from_world.displacement(event - self.origin)
     }
 
+    /// The event at which the clock at the origin of `other` shows `time`, in this frame's coordinates.
+    ///
+    /// In the world that event is X₀ + τu, far from everything if γτ is large, and rounded; here it is Λ(X₀ − O) + τ Λu, where Λu follows
+    /// from both velocities without cancellation. Frames of one velocity stay at the same distance for ever, to the last bit.
+    pub fn event_of_clock<G: Frame>(&self, other: &InertialFrame<G>, time: f64) -> Event<F> {
+        let four_velocity = other.velocity.four_velocity_from(self.velocity);
+        self.event_from_world(other.origin) + four_velocity * time
+    }
+
     /// The light path from the world event `origin` along look direction `d` in a medium of refractive
     /// index `index`, in this frame's coordinates; the parameter is the world distance in metres.
     pub fn ray_from_world(
@@ -383,6 +392,26 @@ impl<F: Frame> InertialFrame<F> {
 mod tests {
     use super::*;
     use crate::spacetime::Rest;
+
+    /// Rapidities subtract: in the frame that moves at ψ, a clock that moves at φ along the same line shows τ at τ (cosh, sinh)(φ − ψ)
+    /// from where both clocks showed 0.
+    #[test]
+    fn the_clock_of_another_frame_is_where_their_relative_velocity_takes_it() {
+        let n = DVec3::Z;
+        let frame = |rapidity, x| {
+            let velocity = Velocity::from_rapidity_along(rapidity, n).unwrap();
+            InertialFrame::<Rest>::new(velocity, Event::new(0.0, DVec3::X * x))
+        };
+        for (phi, psi, time) in [(19.0, 18.5, 1e6), (30.0, 30.0, 3e14), (9.0, -0.5, -7.0)] {
+            let seen = frame(psi, 1.0).event_of_clock(&frame(phi, 3.0), time);
+            let along = n * (time * libm::sinh(phi - psi));
+            let expected = Event::new(time * libm::cosh(phi - psi), DVec3::X * 2.0 + along);
+            let bound = 64.0 * f64::EPSILON * expected.ct.abs();
+            assert!((seen - expected).x.length() <= bound, "{seen:?}");
+            assert!((seen.ct - expected.ct).abs() <= bound, "{seen:?}");
+            assert!(phi != psi || seen == expected, "{seen:?}");
+        }
+    }
 
     #[test]
     fn tangents_of_many_paths_are_those_of_each_bit_for_bit() {

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::event::{Parts, unit_and_length};
+use super::event::{Displacement, Frame, Parts, unit_and_length};
 
 /// The largest rapidity accepted; γ = 1.2·10¹⁷. Beyond it a metre in one frame is less than the rounding error of a metre in the other, and
 /// a boosted event has no digits left.
@@ -146,6 +146,21 @@ impl Velocity {
         if observer.is_rest() {
             return Ok(self);
         }
+        let proper = self.proper_from(observer);
+        unit_and_length(proper).map_or(Ok(Self::REST), |(unit, length)| {
+            Self::from_rapidity_along(libm::asinh(length), unit)
+        })
+    }
+
+    /// The four-velocity (γ′, γ′β′) as seen from a frame `F` that moves with `observer`, without bounds on its rapidity: (1, 0) if the two
+    /// are equal.
+    pub(super) fn four_velocity_from<F: Frame>(self, observer: Velocity) -> Displacement<F> {
+        let proper = self.proper_from(observer);
+        Displacement::new((1.0 + proper.length_squared()).sqrt(), proper)
+    }
+
+    /// γ′β′ of this velocity as seen from a frame that moves with `observer`.
+    fn proper_from(self, observer: Velocity) -> DVec3 {
         // γ′β′ = Λ⁻¹ (γ, γβ); its component along the observer's motion is computed from sinh(φ ∓ ψ).
         let (n, phi) = self.split();
         let (m, psi) = observer.split();
@@ -157,10 +172,7 @@ impl Velocity {
         } else {
             sinh * libm::cosh(psi) * parts.one_plus - libm::sinh(phi + psi)
         };
-        let proper = parts.across * sinh + m * along;
-        unit_and_length(proper).map_or(Ok(Self::REST), |(unit, length)| {
-            Self::from_rapidity_along(libm::asinh(length), unit)
-        })
+        parts.across * sinh + m * along
     }
 
     /// The rapidity vector w.

@@ -465,7 +465,11 @@ pub(super) fn film<P: Visibility>(
     let stage = Stage {
         scene,
         has_directions: !(visibility.turns_rays() && is_plain && scene.layout.channels.is_empty()),
-        surfaces: Surfaces::unbuffered(&scene.frames, scene.camera.shot.event, index),
+        surfaces: Surfaces::unbuffered(
+            &scene.frames,
+            |frame| scene.camera.shot.event_in(frame),
+            index,
+        ),
         index,
         visibility,
     };

@@ -39,8 +39,8 @@ impl Warped {
             return Err(moves("scene", &format!("object {object}")));
         }
         let map = warp.map;
-        let event = scene.camera.shot.event;
-        let surfaces = Surfaces::unbuffered(&scene.frames, event, scene.ray_index);
+        let event_in = |frame: &_| scene.camera.shot.event_in(frame);
+        let surfaces = Surfaces::unbuffered(&scene.frames, event_in, scene.ray_index);
         let mut texels = vec![None; map.texels() as usize];
         let runs = texels.par_chunks_mut(RUN).enumerate();
         runs.try_for_each_init(HitBuffer::default, |hits, (run, texels)| -> Result<()> {

@@ -178,7 +178,7 @@ impl<'a> Pixels<'a> {
         generator(&prepared.camera.view).generate(rays, sampler, tile, samples);
         let frame = &paths.rest.frame;
         let boost = frame.frame_from_world();
-        let shot = frame.event_from_world(prepared.camera.shot.event);
+        let shot = prepared.camera.shot.event_in(frame);
         // A plain camera: all rays start at one event.
         let direction = |d: &DVec3| boost.direction(Direction::from_unit(*d)).0.unit();
         let directions: Vec<_> = rays.directions.iter().map(direction).collect();
@@ -237,12 +237,12 @@ pub struct Captured {
 /// All objects of `scene`, grouped by what their sources have to say: one group if everything rests in the world, and otherwise one for
 /// each origin.
 pub fn captured(scene: &Scene, prepared: &Prepared) -> Vec<Captured> {
-    let shot = prepared.camera.shot.event;
+    let shot = &prepared.camera.shot;
     let rest = prepared.frames.first();
     let Some((rest, first)) = rest.and_then(|rest| Some((rest, clock_zero(scene, rest)?))) else {
         return vec![Captured {
             objects: (0..scene.objects.len()).collect(),
-            eye: shot.x,
+            eye: shot.event.x,
             later: 0.0,
         }];
     };
@@ -259,7 +259,7 @@ pub fn captured(scene: &Scene, prepared: &Prepared) -> Vec<Captured> {
         let origin = rest.frame.event_from_world(object.origin);
         all.push(Captured {
             objects: vec![index],
-            eye: rest.frame.event_from_world(shot).x - origin.x,
+            eye: shot.event_in(&rest.frame).x - origin.x,
             later: first.ct - origin.ct,
         });
     }

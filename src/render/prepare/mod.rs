@@ -157,7 +157,7 @@ impl Prepared {
 
     /// All surfaces, for rays that leave the shot.
     pub(crate) fn surfaces(&self) -> Surfaces<'_> {
-        Surfaces::new(&self.frames, self.camera.shot.event, self.ray_index)
+        Surfaces::new(&self.frames, &self.camera.shot, self.ray_index)
     }
 
     /// Traces camera rays to their nearest hits on `surfaces`, which are those of [`Prepared::surfaces`].

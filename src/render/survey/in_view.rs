@@ -90,8 +90,8 @@ fn approach(scene: &Scene, frame: &RestFrame) -> Option<[f64; 2]> {
     let (lo, hi) = frame.bvh.bounds()?;
     let (middle, radius) = (lo.midpoint(hi), 0.5 * lo.distance(hi));
     let place = |time: f64| -> Option<DVec3> {
-        let event = Shot::new(&scene.camera.at(time)).ok()?.event;
-        Some(frame.frame.event_from_world(event).x - middle)
+        let shot = Shot::new(&scene.camera.at(time)).ok()?;
+        Some(shot.event_in(&frame.frame).x - middle)
     };
     let mut time = scene.camera.time;
     let mut unit = None;

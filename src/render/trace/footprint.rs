@@ -140,7 +140,11 @@ impl Run<'_> {
         let event = self.traced.event + origin.displacement;
         let d = Direction::<World>::from_unit(rays.directions[ray]);
         let index = self.traced.index * origin.delay;
-        let local = self.rest.frame.ray_from_world(event, d, index);
+        let surfaces = self.traced.surfaces;
+        let local = NullRay {
+            origin: surfaces.start(self.frame, origin.displacement),
+            tangent: self.rest.frame.frame_from_world().tangent(index, d),
+        };
         let (e1, e2) = (b - a, c - a);
         let normal = e1.cross(e2);
         // The ray parameter is the same in all frames.

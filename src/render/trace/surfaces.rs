@@ -13,7 +13,10 @@ use super::point::SurfacePoint;
 use super::rest_frame::RestFrame;
 use super::stats::{Meter, Stage};
 use super::tubes::Tubes;
-use crate::spacetime::{Boost, Direction, Displacement, Event, NullRay, Rest, World};
+use crate::camera::Shot;
+use crate::spacetime::{
+    Boost, Direction, Displacement, Event, InertialFrame, NullRay, Rest, World,
+};
 
 /// The surfaces of all rest frames, as seen from one event.
 #[derive(Debug)]
@@ -49,30 +52,36 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    /// `rests` as seen from the event `shot` in a medium of index `index`, for rays traced by [`Surfaces::nearest`].
-    pub fn new(rests: &'a [RestFrame], shot: Event<World>, index: f64) -> Self {
+    /// `rests` as seen from the event of `shot` in a medium of index `index`, for rays traced by [`Surfaces::nearest`].
+    pub fn new(rests: &'a [RestFrame], shot: &Shot, index: f64) -> Self {
         match rests {
-            [rest] if !rest.frame.velocity().is_rest() => {
-                Surfaces(Frames::One(Frame::new(rest, shot, index)))
-            }
-            _ => Surfaces::unbuffered(rests, shot, index),
+            [rest] if !rest.frame.velocity().is_rest() => Surfaces(Frames::One(Frame {
+                rest,
+                shot: shot.event_in(&rest.frame),
+                index,
+            })),
+            _ => Surfaces::unbuffered(rests, |frame| shot.event_in(frame), index),
         }
     }
 
-    /// The same for hits that may come from elsewhere: only the hits are read from the hit buffer.
-    pub fn unbuffered(rests: &'a [RestFrame], shot: Event<World>, index: f64) -> Self {
+    /// The same for hits that may come from elsewhere: only the hits are read from the hit buffer. `event_in` is the event from which they
+    /// are seen, in the coordinates of a frame.
+    pub fn unbuffered(
+        rests: &'a [RestFrame],
+        event_in: impl Fn(&InertialFrame<Rest>) -> Event<Rest>,
+        index: f64,
+    ) -> Self {
+        let frame = |rest: &'a RestFrame| Frame {
+            rest,
+            shot: event_in(&rest.frame),
+            index,
+        };
+        // The axes of a frame at rest are the world's.
         if let [rest] = rests
             && rest.frame.velocity().is_rest()
         {
-            // The frame's axes are the world's: only its origin is subtracted.
-            let d = shot - rest.frame.origin();
-            return Surfaces(Frames::Still(Frame {
-                rest,
-                shot: Event::new(d.ct, d.x),
-                index,
-            }));
+            return Surfaces(Frames::Still(frame(rest)));
         }
-        let frame = |rest| Frame::new(rest, shot, index);
         let frames: Vec<_> = rests.iter().map(frame).collect();
         let cone = |frame: &Frame| VisibleCone::of(frame.rest, frame.shot, index);
         let cones = frames.iter().map(cone).collect();
@@ -245,6 +254,14 @@ impl<'a> Surfaces<'a> {
         }
     }
 
+    /// The event at `displacement` from the event of the shot, in rest frame `frame`.
+    pub(super) fn start(&self, frame: u32, displacement: Displacement<World>) -> Event<Rest> {
+        match &self.0 {
+            Frames::Still(only) | Frames::One(only) => only.origin(Some(displacement)),
+            Frames::Many(many) => many.frames[frame as usize].origin(Some(displacement)),
+        }
+    }
+
     /// The origin in rest frame `frame` of the ray that has hit `point`.
     pub(super) fn origin(&self, frame: u32, point: &SurfacePoint) -> DVec3 {
         match &self.0 {
@@ -285,14 +302,6 @@ impl<'a> Surfaces<'a> {
 }
 
 impl<'a> Frame<'a> {
-    fn new(rest: &'a RestFrame, shot: Event<World>, index: f64) -> Self {
-        Frame {
-            rest,
-            shot: rest.frame.event_from_world(shot),
-            index,
-        }
-    }
-
     #[inline]
     pub(super) fn boost(&self) -> &'a Boost<Rest, World> {
         self.rest.frame.frame_from_world()

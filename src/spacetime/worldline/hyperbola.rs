@@ -20,12 +20,16 @@ pub(super) fn after(start: &State, elapsed: f64) -> Option<State> {
 
 /// Event and velocity of [`after`] only.
 pub(super) fn place_after(start: &State, elapsed: f64) -> Option<(Event<World>, Velocity)> {
+    let event = start.event + way(start, elapsed);
+    if start.thrust.is_none() {
+        return Some((event, start.velocity));
+    }
     let Thrust { n, .. } = start.thrust;
     let (phi, _) = start.thrust.rapidity(elapsed);
     let gained = Velocity::from_rapidity_along(phi, n).ok()?;
     // In the start's frame the world moves with the opposite velocity.
     let velocity = gained.relative_to(-start.velocity).ok()?;
-    Some((start.event + way(start, elapsed), velocity))
+    Some((event, velocity))
 }
 
 /// The displacement from `start` during proper time `elapsed` of its acceleration.

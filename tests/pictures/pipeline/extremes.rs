@@ -271,6 +271,41 @@ fn far_from_the_origin_and_from_time_zero_the_picture_is_the_same() {
     assert_eq!(a.radiance(), b.radiance());
 }
 
+/// A body of the camera's own velocity rests beside it for ever, however far both have gone in the world, and however fast.
+#[test]
+fn what_moves_with_the_camera_looks_the_same_at_all_camera_times() {
+    let mut scene = crate_at_rest();
+    let mut still = scene.objects[0].clone();
+    still.origin.x.y -= 900.0;
+    let slow = Velocity::from_beta(DVec3::new(0.6, -0.3, 0.1)).unwrap();
+    let fast = |gamma, n| Velocity::from_gamma(gamma, n).unwrap();
+    let oblique = DVec3::new(1.0, 2.0, -3.0);
+    for velocity in [slow, fast(1e8, DVec3::X), fast(1e6, oblique)] {
+        scene.camera.velocity = velocity;
+        scene.objects[0].velocity = velocity;
+        // Alone, and beside another one that is out of sight.
+        for others in [vec![], vec![still.clone()]] {
+            let mut scene = scene.clone();
+            scene.objects.extend(others);
+            let now = stage::film(&scene);
+            assert!(stage::met(&now).len() > 20);
+            for time in [10.0, 1e3, -3e8, 2f64.powi(48)] {
+                scene.camera.time = time;
+                let later = stage::film(&scene);
+                for aov in [
+                    Aov::Primitive,
+                    Aov::BarycentricU,
+                    Aov::ObjectEventX,
+                    Aov::NormalX,
+                ] {
+                    let same = channel_bits(&now, aov) == channel_bits(&later, aov);
+                    assert!(same, "{velocity:?} at {time}: {}", aov.name());
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn in_a_medium_a_moving_body_is_hit_where_slow_light_left_it() {
     // Light at 1/η: world time T − η s; there the box must be, by the textbook's transformation.

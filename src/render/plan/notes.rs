@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::bindings::{Lit, lit_by};
 use super::planned::{Plan, PlannedObject, Skipped};
 use super::recorded::contradicted;
@@ -14,7 +16,7 @@ use crate::io::image::panorama;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{
-    Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind, Spectra,
+    Geometry, Lamp, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind, Spectra,
 };
 use crate::spacetime::{Quantity, Velocity};
 
@@ -324,8 +326,8 @@ pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
 /// Notes that surfaces are so fast in the world that light falling on them is computed with few digits.
 ///
 /// An event at a distance r from a body, in its rest frame, is up to γ r away in the world, where it is rounded by 2⁻⁵³ γ r; a boost back
-/// makes that 2⁻⁵³ γ² r. So much is lost where light left a lamp if lamp and surface are both fast; rays that leave a surface start 2⁻⁴² γ²
-/// of their coordinates above it.
+/// makes that 2⁻⁵³ γ² r. So much is lost where light left a lamp if lamp and surface are both fast, and 2⁻⁵³ γ C if the event of the shot has
+/// coordinates up to C in the world, as after a camera time of C/γ; rays that leave a surface start 2⁻⁴² γ² of their coordinates above it.
 fn lost_digits(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     // The smallest errors worth a note: of the light of lamps, and of where rays start, relative to the coordinates.
     const LIGHT: f64 = 1e-5;
@@ -337,16 +339,52 @@ fn lost_digits(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
         let mut materials = objects[*index].materials.iter();
         materials.any(|name| matches!(lit_by(scene, *index, name), Lit::Reflecting(_)))
     };
-    let surfaces = (0..objects.len()).filter(reflects);
-    let surfaces = surfaces.map(|index| scene.objects[index].velocity.gamma());
-    let surface = surfaces.fold(1.0, f64::max);
+    let surfaces: Vec<&Object> = (0..objects.len())
+        .filter(reflects)
+        .map(|index| &scene.objects[index])
+        .collect();
+    let gammas = surfaces.iter().map(|object| object.velocity.gamma());
+    let surface = gammas.fold(1.0, f64::max);
+    let Ok(shot) = Shot::new(&scene.camera) else {
+        return Vec::new();
+    };
+    // Wherever its acceleration changes, and when it emits the light that reaches the camera.
+    let fastest = |lamp: &Lamp| {
+        let mut times = match &lamp.motion {
+            Motion::Profile { knots, .. } => knots.iter().map(|(time, _)| *time).collect(),
+            Motion::Segments(segments) => {
+                let ends = segments.iter().scan(0.0, |end, segment| {
+                    *end += segment.duration;
+                    Some(*end)
+                });
+                ends.collect()
+            }
+            _ => Vec::new(),
+        };
+        let seen = lamp.line.on_past_light_cone_of(shot.event);
+        times.extend(seen.map(|crossing| crossing.proper_time()));
+        let states = times.iter().filter_map(|time| lamp.line.state(*time));
+        let gammas = states.map(|state| state.velocity.gamma());
+        gammas.fold(lamp.velocity.gamma(), f64::max)
+    };
     let lamps = scene.lights.iter().filter_map(|light| match &light.kind {
-        LightKind::Lamp(lamp) => Some(lamp.velocity.gamma()),
+        LightKind::Lamp(lamp) => Some(fastest(lamp)),
         LightKind::Area { .. } => None,
     });
-    let gamma = lamps.fold(1.0, f64::max).min(surface);
+    let lamp = lamps.fold(1.0, f64::max);
+    let reach = shot.event.x.abs().max_element().max(shot.event.ct.abs());
+    // γ, and C relative to the distance from the camera.
+    let lost = surfaces.iter().map(|object| {
+        let gamma = lamp.min(object.velocity.gamma());
+        let way = shot.event_in(&object.frame()).x - object.transform.translation;
+        let far = match gamma > 1.0 && way != DVec3::ZERO {
+            true => reach / way.length(),
+            false => 0.0,
+        };
+        (gamma, gamma * gamma.max(far) * (-53.0f64).exp2())
+    });
+    let (gamma, light) = lost.fold((1.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
     let mut notes = Vec::new();
-    let light = gamma * gamma * (-53.0f64).exp2();
     if light > LIGHT {
         notes.push(format!(
             "lamps and surfaces move at γ = {gamma:.1e} in the world, where coordinates are rounded: the light of such lamps on such surfaces \

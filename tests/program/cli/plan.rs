@@ -483,3 +483,45 @@ fn light_that_loses_digits_at_high_speed_is_remarked() {
         assert_eq!(has("light that bounces starts"), bounces, "{gamma}: {said}");
     }
 }
+
+/// After T of the camera's time its event is γT away in the world, where it is rounded by 2⁻⁵³ γT; in the frame of lamp and wall, 3 m away,
+/// that is 2⁻⁵³ γ² T.
+#[test]
+fn light_that_loses_digits_after_a_long_camera_time_or_acceleration_is_remarked() {
+    let folder = Folder::empty();
+    let scene = |gamma: &str, time: &str, lamp: &str| {
+        let moves = format!("velocity = {{ gamma = {gamma}, direction = [1, 0, 0] }}");
+        format!(
+            "[camera]\neye = [0, 0, 0]\nforward = [0, 0, -1]\nsize = [8, 6]\ntime = \"{time}\"\n{moves}\n\
+             [[object]]\nshape = {{ box = {{ size = [4, 4, 2] }} }}\norigin = {{ position = [0, 0, -3] }}\n{moves}\n\
+             [[light]]\n{}\n",
+            lamp.replace("MOVES", &moves)
+        )
+    };
+    let with_camera = "position = [0, 1, 0]\nMOVES";
+    // From rest to γ = 10⁷ within 10⁷ m.
+    let catches_up = "position = [-9999999, 1, 0]\nclock_zero = \"-9999999.95 m\"\n\
+                      motion.segments = [{ duration = \"16.811242831518264 m\", acceleration = { proper = \"1 /m\", direction = [1, 0, 0] } }]";
+    for (gamma, time, lamp, said) in [
+        ("1e4", "0 m", with_camera, None),
+        ("1e4", "1 km", with_camera, None),
+        // 2⁻⁵³ · 10⁸ · 10⁶/3 = 3.7·10⁻³.
+        (
+            "1e4",
+            "1000 km",
+            with_camera,
+            Some(
+                "γ = 1.0e4 in the world, where coordinates are rounded: the light of such lamps on such surfaces has relative errors of 4e-3",
+            ),
+        ),
+        ("1e7", "0 m", catches_up, Some("γ = 1.0e7 in the world")),
+    ] {
+        folder.write("late.toml", scene(gamma, time, lamp));
+        let plan = folder.ok(&["plan", "late.toml"]);
+        let plan = plan.split_whitespace().collect::<Vec<_>>().join(" ");
+        match said {
+            Some(said) => assert!(plan.contains(said), "{plan}"),
+            None => assert!(!plan.contains("has relative errors"), "{plan}"),
+        }
+    }
+}

@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use super::{PixelSamples, each_point, one_in};
 use crate::camera::Shot;
 use crate::error::{Message, Setting};
-use crate::light::time_texture::survey::rounded;
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::trace::RestFrame;
@@ -31,9 +30,20 @@ const HALVINGS: usize = 7;
 
 /// For a picture in which no ray hits an object although some camera time shows one: such times, as advice.
 pub fn other_times(scene: &Scene, prepared: &mut Prepared) -> Option<Message> {
-    let [from, to] = showing(scene, prepared)?.map(rounded);
+    let [from, to] = rounded_inwards(showing(scene, prepared)?);
     let text = Message::from("objects are in view at other times: try ");
     Some(text + Setting::Time + format!(" \"{from} m\" to \"{to} m\""))
+}
+
+/// These times with the digits that their difference needs, so that they stay between the given ones.
+fn rounded_inwards([from, to]: [f64; 2]) -> [f64; 2] {
+    let power = libm::floor(libm::log10(to - from)) as i32 - 5;
+    // Dividing by a power of ten leaves the number nearest to a short decimal; multiplying would not.
+    let [up, down] = [power.max(0), (-power).max(0)].map(|power| 10f64.powi(power));
+    [
+        (from * down / up).ceil() * up / down,
+        (to * down / up).floor() * up / down,
+    ]
 }
 
 /// The camera times, metres, between which objects are in view, about the shot that shows most of them.

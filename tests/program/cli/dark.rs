@@ -372,3 +372,29 @@ fn after_a_camera_has_passed_everything_the_times_that_show_it_are_named() {
         "{said}"
     );
 }
+
+/// Of times so late that six digits are not enough, those that are named show the object, too.
+#[test]
+fn the_times_that_are_named_show_objects_however_late_they_are() {
+    let folder = Folder::empty();
+    let scene = "[camera]\neye = [0, 0, 0]\nforward = [1, 0, 0]\nsize = [64, 48]\nvelocity = { beta = [0.5, 0, 0] }\n\
+                 [[object]]\nshape = { box = { size = [2, 2, 2] } }\norigin = { position = [12345678912.25, 30, 0] }\n";
+    let [_, said] = planned_and_rendered(&folder, scene);
+    let advice = said
+        .split("objects are in view at other times: try --time \"")
+        .nth(1);
+    let advice = advice.unwrap_or_else(|| panic!("{said}"));
+    let times: Vec<&str> = advice.split('"').step_by(2).take(2).collect();
+    for time in times {
+        let again = folder.ok(&[
+            "render",
+            "floor.toml",
+            "--time",
+            time,
+            "--pixel-centers",
+            "-o",
+            "a.png",
+        ]);
+        assert!(!again.contains("in view"), "{time}: {again}");
+    }
+}

@@ -32,6 +32,12 @@ pub(super) struct BoxTree {
     pub parents_first: bool,
 }
 
+/// Whether the build goes on: asked often, from the thread that builds.
+pub(super) type GoesOn<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// A build that is never stopped.
+pub(super) const ALWAYS: GoesOn = &|| true;
+
 impl Aabb {
     #[inline(always)]
     pub fn union(self, other: Aabb) -> Aabb {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use serde::Serialize;
 
-use super::boxes::{Aabb, BoxNode, BoxTree};
+use super::boxes::{ALWAYS, Aabb, BoxNode, BoxTree, GoesOn};
 use super::bvh::{Bvh, Tree};
 use super::cluster::cluster;
 use super::islands::{Bounds, Island, islands};
@@ -137,18 +137,20 @@ impl Bvh {
         facing: impl Fn(u32) -> Facing + Sync,
         preset: Preset,
     ) -> Bvh {
-        Bvh::build_from(triangles, &facing, preset)
+        Bvh::build_while(triangles, &facing, preset, ALWAYS).unwrap_or_else(Bvh::empty)
     }
 
-    fn build_from(
+    /// The same as long as `goes_on`, which is asked between the steps of the work; else `None`.
+    pub(crate) fn build_while(
         triangles: Vec<[DVec3; 3]>,
         facing: &(dyn Fn(u32) -> Facing + Sync),
         preset: Preset,
-    ) -> Bvh {
+        goes_on: GoesOn,
+    ) -> Option<Bvh> {
         let count = triangles.len().min(Bvh::MAX_TRIANGLES);
         let solid = solid_triangles(&triangles[..count]);
         let Some(whole) = Bounds::of_all(&triangles, &solid) else {
-            return Bvh::empty();
+            return Some(Bvh::empty());
         };
         // Each list is dropped once the next one has been built from it, so that meshes of 10⁸ triangles fit.
         let pages = preset.effort().pages;
@@ -156,13 +158,16 @@ impl Bvh {
         let mut layouts = Vec::new();
         for Island { ids, bounds } in islands(&triangles, solid) {
             let space = TreeSpace::new(bounds.lo, bounds.hi);
-            let tree = build_tree(&triangles, &ids, &space, preset);
+            let tree = build_tree(&triangles, &ids, &space, preset, goes_on)?;
             let layout = Layout::of(&tree, order.len(), pages);
             drop(tree);
             // Layout indices are within the island; ids are within all triangles. The mark of a leaf's last triangle is kept.
             let id = |place: &u32| ids[(place & !LAST) as usize] | place & LAST;
             order.par_extend(layout.order.par_iter().map(id));
             layouts.push((layout.nodes, layout.depth, space));
+            if !goes_on() {
+                return None;
+            }
         }
         let id = |slot: usize| order[slot] & !LAST;
         let corners = Pages::build(pages, order.len(), |slot| triangles[id(slot) as usize]);
@@ -177,6 +182,9 @@ impl Bvh {
         };
         let tags = Pages::build(pages, order.len(), tag);
         drop(order);
+        if !goes_on() {
+            return None;
+        }
         let mut trees = layouts.into_iter().map(|(nodes, depth, space)| {
             let binary = BinaryTree {
                 nodes: &nodes,
@@ -194,10 +202,10 @@ impl Bvh {
         });
         // The spatially largest set comes first and is the main tree.
         let Some(tree) = trees.next() else {
-            return Bvh::empty();
+            return Some(Bvh::empty());
         };
         let islands = trees.collect();
-        Bvh {
+        Some(Bvh {
             corners,
             tags,
             tree,
@@ -205,7 +213,7 @@ impl Bvh {
             bounds: (whole.lo, whole.hi),
             pages,
             alpha: None,
-        }
+        })
     }
 }
 
@@ -232,7 +240,13 @@ fn has_area(corners: &[DVec3; 3]) -> bool {
     projected(0, 1) != 0.0 || projected(1, 2) != 0.0 || projected(2, 0) != 0.0
 }
 
-fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: Preset) -> BoxTree {
+fn build_tree(
+    triangles: &[[DVec3; 3]],
+    ids: &[u32],
+    space: &TreeSpace,
+    preset: Preset,
+    goes_on: GoesOn,
+) -> Option<BoxTree> {
     let leaves: Vec<BoxNode> = ids
         .par_iter()
         .enumerate()
@@ -244,13 +258,13 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: 
         reinserted,
         ..
     } = preset.effort();
-    let mut tree = cluster(leaves, radius, narrow);
+    let mut tree = cluster(leaves, radius, narrow, goes_on)?;
     let parents = tree.parents();
     // Among nearly equal boxes, reinsertion searches most of the tree for each node and gains nothing.
     if is_searchable(&tree, &parents, ids.len()) {
-        reinsert(&mut tree, parents, reinserted);
+        reinsert(&mut tree, parents, reinserted, goes_on)?;
     }
-    tree
+    Some(tree)
 }
 
 /// The leaf of triangle `index` with these corners.
@@ -302,7 +316,7 @@ mod tests {
         let space = TreeSpace::new(lo, hi);
         let leaf = |(index, corners): (usize, &[DVec3; 3])| leaf(&space, corners, index);
         let leaves = triangles.iter().enumerate().map(leaf).collect();
-        let tree = cluster(leaves, 14, 3);
+        let tree = cluster(leaves, 14, 3, ALWAYS).unwrap();
         is_searchable(&tree, &tree.parents(), count)
     }
 

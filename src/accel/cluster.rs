@@ -13,7 +13,7 @@
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
-use super::boxes::{Aabb, BoxNode, BoxTree};
+use super::boxes::{Aabb, BoxNode, BoxTree, GoesOn};
 use super::node::NodeRef;
 
 /// A pass must merge at least one cluster in this many. With meshes it merges one in three or four.
@@ -26,8 +26,13 @@ const CHUNK: usize = 4096;
 const MANY: usize = 2 * CHUNK;
 
 /// The tree over `leaves`, at least one and without NaN, each with one box and its index. Clusters search for partners `radius` (2, 14 or
-/// 32) positions away, in the first `narrow` passes only 1.
-pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> BoxTree {
+/// 32) positions away, in the first `narrow` passes only 1. `None` once `goes_on` says no.
+pub(super) fn cluster(
+    leaves: Vec<BoxNode>,
+    radius: usize,
+    narrow: usize,
+    goes_on: GoesOn,
+) -> Option<BoxTree> {
     let mut clusters = sorted(&leaves);
     let mut next = leaves;
     let mut partners = vec![0i8; clusters.len()];
@@ -36,6 +41,9 @@ pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> Box
     let mut free = nodes.len();
     let mut passes = 0;
     while clusters.len() > 1 {
+        if !goes_on() {
+            return None;
+        }
         let partners = &mut partners[..clusters.len()];
         // Each radius is compiled separately, with a search of fixed length.
         match radius {
@@ -56,10 +64,10 @@ pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> Box
         passes += 1;
     }
     nodes[0] = clusters[0];
-    BoxTree {
+    Some(BoxTree {
         nodes,
         parents_first: true,
-    }
+    })
 }
 
 /// Puts mutual partners into the tree, from the end of `free` on, and appends a parent of the two to `next`; appends all others unchanged.
@@ -248,6 +256,7 @@ fn pair_neighbours(partners: &mut [i8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::boxes::ALWAYS;
 
     /// The levels of a tree, and the number of its leaves.
     fn levels(tree: &BoxTree) -> (usize, usize) {
@@ -295,7 +304,8 @@ mod tests {
         for (name, make) in families {
             let boxes: Vec<Aabb> = (0..N).map(|i| make(fraction(i))).collect();
             for (radius, narrow) in [(2, 2), (14, 3), (32, 2)] {
-                let (deepest, found) = levels(&cluster(leaves(&boxes), radius, narrow));
+                let (deepest, found) =
+                    levels(&cluster(leaves(&boxes), radius, narrow, ALWAYS).unwrap());
                 assert_eq!(found, N, "{name}");
                 assert!(deepest <= 96, "{name}, radius {radius}: {deepest} levels");
             }
@@ -308,7 +318,10 @@ mod tests {
             let boxes: Vec<Aabb> = (0..n)
                 .map(|i| around(Vec3A::splat(i as f32), 0.6))
                 .collect();
-            assert_eq!(levels(&cluster(leaves(&boxes), 14, 3)).1, n);
+            assert_eq!(
+                levels(&cluster(leaves(&boxes), 14, 3, ALWAYS).unwrap()).1,
+                n
+            );
         }
     }
 
@@ -332,7 +345,9 @@ mod tests {
         // In one chunk, in several, and with a last one that is not full.
         for count in [100, MANY, 3 * CHUNK + 5, 40_000] {
             let boxes = scattered(count);
-            cluster(leaves(&boxes), 14, 3).check(&boxes);
+            cluster(leaves(&boxes), 14, 3, ALWAYS)
+                .unwrap()
+                .check(&boxes);
         }
     }
 

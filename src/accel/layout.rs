@@ -186,6 +186,7 @@ mod tests {
     use super::super::boxes::Aabb;
     use super::super::cluster::cluster;
     use super::*;
+    use crate::accel::boxes::ALWAYS;
     use glam::Vec3A;
 
     /// A tree over boxes along a bent line, some of them equal.
@@ -196,7 +197,7 @@ mod tests {
             let (lo, hi) = (centre - 0.5, centre + 0.5);
             BoxNode::new(Aabb { lo, hi }, NodeRef::leaf(index))
         };
-        cluster((0..count).map(leaf).collect(), 14, 3)
+        cluster((0..count).map(leaf).collect(), 14, 3, ALWAYS).unwrap()
     }
 
     #[test]

@@ -21,16 +21,22 @@
 
 use rayon::prelude::*;
 
-use super::boxes::{BoxNode, BoxTree};
+use super::boxes::{BoxNode, BoxTree, GoesOn};
 use super::node::NodeRef;
 
 /// The number of passes, over decreasing fractions of the nodes: 1, 1/3, 1/5 … of the given one.
 const PASSES: usize = 16;
 
 /// Searches for better places for the fraction `part` of the nodes of `tree` with the largest boxes, and for fewer in later passes.
-pub(super) fn reinsert(tree: &mut BoxTree, parents: Vec<u32>, part: f32) {
+/// `None` once `goes_on` says no.
+pub(super) fn reinsert(
+    tree: &mut BoxTree,
+    parents: Vec<u32>,
+    part: f32,
+    goes_on: GoesOn,
+) -> Option<()> {
     if tree.nodes.len() < 4 || part <= 0.0 {
-        return;
+        return Some(());
     }
     tree.parents_first = false;
     let count = tree.nodes.len();
@@ -40,9 +46,13 @@ pub(super) fn reinsert(tree: &mut BoxTree, parents: Vec<u32>, part: f32) {
         parents,
     };
     for pass in 0..PASSES {
+        if !goes_on() {
+            return None;
+        }
         let wanted = count as f32 * part / (2 * pass + 1) as f32;
         moving.pass((wanted as usize).clamp(1, count - 1));
     }
+    Some(())
 }
 
 /// A tree whose nodes are being moved.
@@ -214,6 +224,7 @@ mod tests {
     use super::super::cluster::cluster;
     use super::super::numbers;
     use super::*;
+    use crate::accel::boxes::ALWAYS;
 
     /// `count` boxes of all sizes up to `size` in a room of size 2, and a tree over them.
     fn tree(count: usize, size: f32) -> (Vec<Aabb>, BoxTree) {
@@ -229,7 +240,7 @@ mod tests {
             })
             .collect();
         let leaf = |(index, aabb): (usize, &Aabb)| BoxNode::new(*aabb, NodeRef::leaf(index));
-        let tree = cluster(boxes.iter().enumerate().map(leaf).collect(), 2, 2);
+        let tree = cluster(boxes.iter().enumerate().map(leaf).collect(), 2, 2, ALWAYS).unwrap();
         (boxes, tree)
     }
 
@@ -262,7 +273,7 @@ mod tests {
                 let (boxes, mut tree) = tree(count, size);
                 let before = cost(&tree);
                 let parents = tree.parents();
-                reinsert(&mut tree, parents, part);
+                reinsert(&mut tree, parents, part, ALWAYS).unwrap();
                 tree.check(&boxes);
                 let after = cost(&tree);
                 assert!(after <= before, "{count} {size} {part}");

@@ -49,8 +49,8 @@ pub(super) fn frames(
             let begin = Instant::now();
             let built = gathered
                 .par_drain(..)
-                .map(|frame| frame.built(plan.trees, normals));
-            frames.par_extend(built);
+                .map(|frame| frame.built(plan.trees, normals, progress));
+            frames.append(&mut built.collect::<Result<Vec<_>>>()?);
             built_in += begin.elapsed().as_secs_f64();
             triangles = 0;
         }
@@ -293,7 +293,10 @@ impl Gathered {
     }
 
     /// The frame with its tree, with or without `normals`.
-    fn built(self, trees: Preset, normals: bool) -> RestFrame {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when `progress` says so.
+    fn built(self, trees: Preset, normals: bool, progress: &dyn Progress) -> Result<RestFrame> {
         // Patches are in the order of their triangles.
         let (patches, culled) = (self.patches, self.culled);
         let facing = |triangle: u32| {
@@ -306,13 +309,15 @@ impl Gathered {
                 Facing::TwoSided
             }
         };
-        let bvh = Bvh::build_with(self.triangles, facing, trees);
+        let goes_on = || !progress.is_cancelled();
+        let bvh = Bvh::build_while(self.triangles, &facing, trees, &goes_on);
+        let bvh = bvh.ok_or(Error::Cancelled)?;
         let meshes: Arc<[Mesh]> = self.meshes.into();
         let bvh = match AlphaMasks::new(self.masked, meshes.clone()) {
             Some(masks) => bvh.with_alpha_test(Arc::new(masks)),
             None => bvh,
         };
-        RestFrame {
+        Ok(RestFrame {
             frame: self.frame,
             normals: if normals {
                 bvh.normals()
@@ -323,7 +328,7 @@ impl Gathered {
             patches,
             meshes,
             vertices: OnceLock::new(),
-        }
+        })
     }
 
     fn add(

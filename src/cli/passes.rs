@@ -72,7 +72,7 @@ pub fn one(
     prepared.warnings.extend(misfits);
     warn(quiet, &std::mem::take(&mut prepared.warnings));
     let mut work = Work {
-        passes: Passes::new(&prepared, wanted.error),
+        passes: Passes::new(&prepared, wanted.error)?,
         scene,
         outputs,
         sums,
@@ -85,7 +85,7 @@ pub fn one(
     work.resume(&prepared)?;
     work.go_on(&prepared)?;
     let rendered = Rendered::of_passes(
-        work.passes.film(),
+        work.passes.film()?,
         [prepared_in, began.elapsed().as_secs_f64() - prepared_in],
         std::mem::take(&mut prepared.warnings),
         prepared,
@@ -131,7 +131,7 @@ impl Work<'_> {
                 warn(self.quiet, &[text]);
             }
             // Discards what was read of sums that belong to other work.
-            self.passes = Passes::new(prepared, self.wanted.error);
+            self.passes = Passes::new(prepared, self.wanted.error)?;
         }
         Ok(())
     }
@@ -158,7 +158,7 @@ impl Work<'_> {
                 let start = Instant::now();
                 self.passes.write(&self.sums, &self.fingerprint)?;
                 let pictures = self.outputs.of_film_alone();
-                pictures.write(self.scene, &self.passes.film(), None, true)?;
+                pictures.write(self.scene, &self.passes.film()?, None, true)?;
                 // Before this there is neither a picture nor a file to resume from.
                 interrupt::keeps(RESUME);
                 written = (Instant::now(), start.elapsed().as_secs_f64());

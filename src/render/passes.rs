@@ -50,6 +50,8 @@ const DIGEST: usize = 32;
 #[derive(Debug)]
 pub struct Passes {
     tiles: Vec<TileFilm>,
+    /// The samples of each tile, unless it has no more than those of the finished passes.
+    taken: Vec<u32>,
     layout: Layout,
     sampler: Sampler,
     done: u32,
@@ -61,19 +63,34 @@ pub struct Passes {
 
 impl Passes {
     /// Zero passes of a prepared scene; `error` is the requested error relative to radiance, or `None` for unlimited passes.
-    pub fn new(scene: &Prepared, error: Option<f64>) -> Self {
+    ///
+    /// # Errors
+    /// An error that is not above 0; a film without pixels.
+    pub fn new(scene: &Prepared, error: Option<f64>) -> Result<Self> {
+        if let Some(error) = error.filter(|error| !(error.is_finite() && *error > 0.0)) {
+            let what = format!("an error of {error} cannot be reached");
+            return Err(Error::invalid(
+                "passes",
+                "error",
+                what,
+                "above 0, like 0.01",
+            ));
+        }
         let layout = scene.layout.clone();
+        layout.check()?;
         let tiles = 0..Tile::count(layout.size);
-        Passes {
-            tiles: tiles
-                .map(|index| TileFilm::of_passes(Tile::of_image(layout.size, index), &layout))
-                .collect(),
+        let tiles: Vec<_> = tiles
+            .map(|index| TileFilm::of_passes(Tile::of_image(layout.size, index), &layout))
+            .collect();
+        Ok(Passes {
+            taken: vec![0; tiles.len()],
+            tiles,
             sampler: scene.sampler.with_samples(layout.samples),
             layout,
             done: 0,
             error,
             mean: None,
-        }
+        })
     }
 
     /// The number of finished passes, which is even.
@@ -111,18 +128,29 @@ impl Passes {
         2 * pixels as u64 * u64::from(self.layout.samples)
     }
 
-    /// Renders two more passes of the tiles that need them, on rayon's current thread pool; `scene` is the one they were started with.
+    /// Renders two more passes of the tiles that need them, on rayon's current thread pool; `scene` is the one they were started with. If
+    /// it was cancelled, the next call renders what is left of these two: with the same bits as without the interruption.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] when `progress` says so, and data that cannot be read, after which these sums are unusable.
+    /// [`Error::Cancelled`] when `progress` says so; a scene that is prepared for another film; and data that cannot be read, after which
+    /// these sums are unusable.
     pub fn advance(&mut self, scene: &Prepared, progress: &dyn Progress) -> Result<()> {
+        if scene.layout != self.layout {
+            let what = "the scene is prepared for another film than these passes";
+            let help = "the scene that they were started with";
+            return Err(Error::invalid("passes", "layout", what, help));
+        }
         let pipeline = Pipeline::new(scene, self.sampler);
-        let samples = self.layout.samples;
-        let first = self.done * samples;
-        let unsettled = self.tiles.par_iter_mut().filter(|tile| needs_more(tile));
-        let done = unsettled.try_for_each_init(Buffers::default, |buffers, film| {
-            let samples = first..first + 2 * samples;
-            pipeline.samples(samples, buffers, film, progress, &mut Meter::new(false))
+        let first = self.done * self.layout.samples;
+        let end = first + 2 * self.layout.samples;
+        let tiles = self.tiles.par_iter_mut().zip(&mut self.taken);
+        let unsettled = tiles.filter(|(tile, _)| needs_more(tile));
+        let done = unsettled.try_for_each_init(Buffers::default, |buffers, (film, taken)| {
+            let mut left = first.max(*taken)..end;
+            let meter = &mut Meter::new(false);
+            let done = pipeline.samples(&mut left, buffers, film, progress, meter);
+            *taken = left.start;
+            done
         });
         scene.light.check()?;
         done?;
@@ -148,13 +176,28 @@ impl Passes {
         }
     }
 
+    /// Refuses passes of which some tiles have more than others.
+    fn check_whole(&self) -> Result<()> {
+        let finished = self.done * self.layout.samples;
+        if self.taken.iter().all(|taken| *taken <= finished) {
+            return Ok(());
+        }
+        let what = "two passes were cancelled, which some tiles have finished and others have not";
+        let help = "call `advance` again, which renders what is left of them";
+        Err(Error::invalid("passes", "", what, help))
+    }
+
     /// The picture so far.
-    pub fn film(&self) -> Film {
+    ///
+    /// # Errors
+    /// Passes that were cancelled, until [`Passes::advance`] has finished them.
+    pub fn film(&self) -> Result<Film> {
+        self.check_whole()?;
         let Ok(film) = Film::of_tiles(&self.layout, |rows| {
             self.tiles.iter().for_each(|tile| rows.place(tile));
             Ok::<(), Infallible>(())
         });
-        film.with_passes(self.done, self.error)
+        Ok(film.with_passes(self.done, self.error))
     }
 
     /// The standard error of the picture so far: root mean square over pixels, and R, G and B, divided by their mean radiance. 0 if it is dark.
@@ -208,8 +251,9 @@ impl Passes {
     /// Writes all sums to `path` atomically. `fingerprint` identifies what is rendered.
     ///
     /// # Errors
-    /// I/O errors.
+    /// I/O errors; passes that were cancelled, as for [`Passes::film`].
     pub fn write(&mut self, path: &Path, fingerprint: &[u8; DIGEST]) -> Result<()> {
+        self.check_whole()?;
         let head = self.head(fingerprint);
         write_atomically(path, |writer| {
             let mut hash = Sha256::new();
@@ -297,6 +341,7 @@ impl Passes {
             return Err(damaged(path));
         }
         (self.done, self.mean) = (done, mean);
+        self.taken.fill(0);
         Ok(true)
     }
 

@@ -59,8 +59,14 @@ pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(F
 /// film stays empty.
 ///
 /// # Errors
-/// As for [`render`].
+/// As for [`render`], and tiles beyond the image.
 pub fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress) -> Result<Film> {
+    let count = Tile::count(scene.layout.size);
+    if tiles.end > count {
+        let what = format!("tiles {} to {} of {count}", tiles.start, tiles.end);
+        let help = "tiles of the image: Tile::count says how many there are";
+        return Err(Error::invalid("film", "tiles", what, help));
+    }
     tiles_with(scene, tiles, None, progress, None)
 }
 
@@ -81,6 +87,7 @@ fn tiles_with(
 ) -> Result<Film> {
     let pipeline = Pipeline::new(scene, scene.sampler);
     let layout = &scene.layout;
+    layout.check()?;
     Film::of_all_tiles(layout, over, |rows| {
         let done: Result<()> =
             tiles
@@ -89,7 +96,7 @@ fn tiles_with(
                     let tile = Tile::of_image(layout.size, index);
                     let tile_film = TileFilm::reused(kept, tile, layout);
                     let mut meter = Meter::new(total.is_some());
-                    let samples = 0..layout.samples;
+                    let samples = &mut (0..layout.samples);
                     pipeline.samples(samples, buffers, tile_film, progress, &mut meter)?;
                     rows.place(tile_film);
                     if let (Some(total), Some(stats)) = (total, meter.into_stats()) {
@@ -128,13 +135,13 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Renders `samples` of every pixel of the tile of `film`.
+    /// Renders the samples that are `left` of every pixel of the tile of `film`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] if `progress` cancels, and errors of reading data.
+    /// [`Error::Cancelled`] if `progress` cancels, and errors of reading data; the samples before those still `left` are complete.
     pub(super) fn samples(
         &self,
-        samples: Range<u32>,
+        left: &mut Range<u32>,
         buffers: &mut Buffers,
         film: &mut TileFilm,
         progress: &dyn Progress,
@@ -142,16 +149,15 @@ impl<'a> Pipeline<'a> {
     ) -> Result<()> {
         let best = self.scene.light.radiance().samples_at_once();
         let at_once = self.scene.samples_at_once.map_or(best, NonZeroU32::get);
-        let mut left = samples;
-        while !left.is_empty() {
+        while left.start < left.end {
             progress.check()?;
             if self.scene.light.has_failed() {
                 return Err(Error::Cancelled);
             }
             let batch = film.together(left.clone(), at_once);
-            left.start = batch.end;
             let rays = film.tile().pixels() as u64 * batch.len() as u64;
             self.batch(batch.clone(), buffers, film, meter);
+            left.start = batch.end;
             film.end_samples(batch);
             progress.rays_done(rays);
         }

@@ -3,8 +3,10 @@
 use serde::Serialize;
 
 use crate::accel::Precision;
+use crate::error::{Error, Result};
 use crate::render::aov::Aov;
 use crate::render::sampler::samples_per_part;
+use crate::scene::limits;
 
 /// Edge length of a tile in pixels.
 pub const TILE: u32 = 16;
@@ -19,16 +21,16 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Tile `index` of an image of `size` pixels, row by row.
+    /// Tile `index` of an image of `size` pixels, row by row; beyond [`Tile::count`] one without pixels.
     pub fn of_image(size: [u32; 2], index: u64) -> Self {
-        let across = size[0].div_ceil(TILE) as u64;
-        let corner = [
-            (index % across) as u32 * TILE,
-            (index / across) as u32 * TILE,
-        ];
+        let across = u64::from(size[0].div_ceil(TILE)).max(1);
+        let corner = [index % across, index / across].map(|n| {
+            let pixels = n.saturating_mul(u64::from(TILE));
+            u32::try_from(pixels).unwrap_or(u32::MAX)
+        });
         Tile {
             corner,
-            size: std::array::from_fn(|a| TILE.min(size[a] - corner[a])),
+            size: std::array::from_fn(|a| TILE.min(size[a].saturating_sub(corner[a]))),
         }
     }
 
@@ -71,6 +73,7 @@ impl Tile {
 
 /// What a film stores.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Layout {
     /// Columns and rows.
     pub size: [u32; 2],
@@ -89,6 +92,14 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// Refuses sizes and numbers of samples that no picture can have.
+    pub(crate) fn check(&self) -> Result<()> {
+        let samples = limits::samples_per_pixel(self.samples);
+        limits::image_size(self.size)
+            .and(samples)
+            .map_err(|(what, help)| Error::invalid("film", "layout", what, help))
+    }
+
     /// The bytes of a film with this layout.
     pub fn bytes(&self) -> u64 {
         // The radiance, three numbers of 8 bytes, and one number per channel.

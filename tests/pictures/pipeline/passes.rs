@@ -1,13 +1,15 @@
 //! Pictures that improve by passes, and their reported errors.
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicI64, Ordering};
 
+use nullray::Error;
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::passes::Passes;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
-use nullray::render::progress::Silent;
+use nullray::render::progress::{Progress, Silent};
 use nullray::scene::model::Scene;
 
 use crate::pipeline::stage;
@@ -71,11 +73,11 @@ fn films(scene: &Scene, seeds: u32) -> Vec<Film> {
 }
 
 fn passes(prepared: &Prepared, error: Option<f64>, count: u32) -> Film {
-    let mut passes = Passes::new(prepared, error);
+    let mut passes = Passes::new(prepared, error).unwrap();
     while passes.done() < count && !passes.is_settled() {
         passes.advance(prepared, &Silent).unwrap();
     }
-    passes.film()
+    passes.film().unwrap()
 }
 
 const OF_PASSES: [Aov; 2] = [Aov::StandardError, Aov::Samples];
@@ -270,7 +272,7 @@ fn no_tile_is_settled_before_each_half_has_32_samples_and_4_passes() {
     for (samples, passes) in [(1, 64), (3, 22), (4, 16), (8, 8), (64, 8)] {
         let scene = room_in(0, "size = [4, 4]", "[sky]\nradiance = 0", samples);
         let prepared = prepared(&scene, &[]);
-        let mut dark = Passes::new(&prepared, Some(0.9));
+        let mut dark = Passes::new(&prepared, Some(0.9)).unwrap();
         while !dark.is_settled() {
             dark.advance(&prepared, &Silent).unwrap();
         }
@@ -279,34 +281,90 @@ fn no_tile_is_settled_before_each_half_has_32_samples_and_4_passes() {
     }
 }
 
+const CHANNELS: [Aov; 4] = [Aov::StandardError, Aov::Samples, Aov::EventCt, Aov::Object];
+
+/// The bits of the radiance and of these channels.
+fn bits(film: &Film) -> Vec<u64> {
+    let aovs = CHANNELS.map(|aov| film.aov(aov).unwrap().to_vec());
+    let aovs = aovs.concat().into_iter().map(f64::to_bits);
+    stage::bits(film).into_iter().chain(aovs).collect()
+}
+
+/// Stops work that has asked this many times.
+struct Patience(AtomicI64);
+
+impl Progress for Patience {
+    fn is_cancelled(&self) -> bool {
+        self.0.fetch_sub(1, Ordering::Relaxed) <= 0
+    }
+}
+
+#[test]
+fn passes_that_were_cancelled_are_finished_with_the_bits_of_those_that_were_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sums");
+    let prepared = prepared(&room(4), &CHANNELS);
+    for error in [None, Some(0.05)] {
+        let mut whole = Passes::new(&prepared, error).unwrap();
+        (0..6).for_each(|_| whole.advance(&prepared, &Silent).unwrap());
+        let mut stopped = Passes::new(&prepared, error).unwrap();
+        let mut refused = 0;
+        // From one question on, at least one tile gets on.
+        let mut questions = (1..4).cycle();
+        while stopped.done() < 12 {
+            let patience = Patience(AtomicI64::new(questions.next().unwrap()));
+            let done = stopped.done();
+            match stopped.advance(&prepared, &patience) {
+                Ok(()) => {
+                    assert_eq!(stopped.done(), done + 2);
+                    stopped.film().unwrap();
+                }
+                Err(error) => {
+                    assert!(matches!(error, Error::Cancelled), "{error}");
+                    assert_eq!(stopped.done(), done);
+                    let film = stopped.film().unwrap_err().to_string();
+                    assert!(film.contains("two passes were cancelled"), "{film}");
+                    assert!(stopped.write(&path, &[7; 32]).is_err() && !path.exists());
+                    refused += 1;
+                }
+            }
+        }
+        assert!(refused > 5, "{refused}");
+        assert_eq!(bits(&whole.film().unwrap()), bits(&stopped.film().unwrap()));
+    }
+}
+
+#[test]
+fn passes_refuse_errors_that_cannot_be_reached_and_films_of_another_size() {
+    let small = prepared(&room_in(0, "size = [4, 4]", "", 1), &[]);
+    for error in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        let said = Passes::new(&small, Some(error)).unwrap_err().to_string();
+        assert!(said.contains("passes, error"), "{said}");
+    }
+    let mut passes = Passes::new(&small, None).unwrap();
+    let large = prepared(&room_in(0, "size = [40, 40]", "", 1), &[]);
+    let said = passes.advance(&large, &Silent).unwrap_err().to_string();
+    assert!(said.contains("another film"), "{said}");
+    passes.advance(&small, &Silent).unwrap();
+}
+
 #[test]
 fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sums");
     let scene = room(4);
-    let prepared = prepared(
-        &scene,
-        &[Aov::StandardError, Aov::Samples, Aov::EventCt, Aov::Object],
-    );
+    let prepared = prepared(&scene, &CHANNELS);
     for error in [None, Some(0.05)] {
-        let mut whole = Passes::new(&prepared, error);
+        let mut whole = Passes::new(&prepared, error).unwrap();
         (0..12).for_each(|_| whole.advance(&prepared, &Silent).unwrap());
-        let mut stopped = Passes::new(&prepared, error);
+        let mut stopped = Passes::new(&prepared, error).unwrap();
         for _ in 0..12 {
             stopped.advance(&prepared, &Silent).unwrap();
             stopped.write(&path, &[7; 32]).unwrap();
-            stopped = Passes::new(&prepared, error);
+            stopped = Passes::new(&prepared, error).unwrap();
             assert!(stopped.resume(&path, &[7; 32]).unwrap());
         }
-        let (a, b) = (whole.film(), stopped.film());
-        let bits = |film: &Film| -> Vec<u64> {
-            let radiance = film.radiance().iter().flatten().map(|x| x.to_bits());
-            let aovs = [Aov::StandardError, Aov::Samples, Aov::EventCt, Aov::Object];
-            let aovs = aovs.map(|aov| film.aov(aov).unwrap().to_vec());
-            radiance
-                .chain(aovs.concat().into_iter().map(f64::to_bits))
-                .collect()
-        };
+        let (a, b) = (whole.film().unwrap(), stopped.film().unwrap());
         assert_eq!(bits(&a), bits(&b));
         assert_eq!((a.passes(), b.passes()), (24, 24));
         // Of another picture, or damaged.
@@ -335,9 +393,9 @@ fn two_passes_are_two_pictures_of_different_random_numbers() {
     let mut prepared = prepared(&room(4), &[]);
     prepared.sampler = prepared.sampler.with_seed(3);
     let first = nullray::render::render(&prepared, &Silent).unwrap();
-    let mut passes = Passes::new(&prepared, None);
+    let mut passes = Passes::new(&prepared, None).unwrap();
     passes.advance(&prepared, &Silent).unwrap();
-    let both = passes.film();
+    let both = passes.film().unwrap();
     let second: Vec<f64> = (0..stage::pixels(&both))
         .map(|i| 2.0 * grey(&both, i) - grey(&first, i))
         .collect();

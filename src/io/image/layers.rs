@@ -92,6 +92,13 @@ impl Layers {
         Ok(())
     }
 
+    /// Refuses channels that do not have one sample per pixel.
+    pub(crate) fn check_lengths(&self) -> Result<()> {
+        let pixels = pixel_count(self.width, self.height)?;
+        let mut channels = self.channels.iter();
+        channels.try_for_each(|channel| check_length(channel, pixels))
+    }
+
     /// The channel with this name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
@@ -148,16 +155,22 @@ pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize> {
 }
 
 fn check_channel(channel: &Channel, pixels: usize) -> Result<()> {
-    let Channel { name, samples } = channel;
+    let name = &channel.name;
     if name.is_empty() || name.len() > MAX_NAME || name.contains(char::is_control) {
         let what = "a channel's name has 1 to 255 bytes and no control characters";
         return Err(wrong(&format!("{name:?}"), what));
     }
-    if samples.len() != pixels {
-        let what = format!("{} samples for {pixels} pixels", samples.len());
-        return Err(wrong(name, what));
+    check_length(channel, pixels)
+}
+
+fn check_length(channel: &Channel, pixels: usize) -> Result<()> {
+    match channel.samples.len() {
+        count if count == pixels => Ok(()),
+        count => {
+            let what = format!("{count} samples for {pixels} pixels");
+            Err(wrong(&channel.name, what))
+        }
     }
-    Ok(())
 }
 
 /// Whether every format can hold this entry.

@@ -74,13 +74,16 @@ fn of_grey(name: &str, comparison: Result<Comparison>) -> Result<Comparison> {
 /// that channel stands for all three.
 ///
 /// # Errors
-/// Pictures that do not belong together: different sizes, channels, encodings or quantities; swapped ones; a region outside of them; pixels
+/// Channels without one sample per pixel; pictures that do not belong together: different sizes, channels, encodings or quantities; swapped ones; a region outside of them; pixels
 /// per degree below 1 or above 1000; a width of bins that is not above 0; a scene other than the reference's; samples that [`CompareOptions::not_finite`] refuses.
 pub fn compare(
     reference: &Picture,
     candidate: &Picture,
     options: &CompareOptions,
 ) -> Result<Comparison> {
+    for picture in [reference, candidate] {
+        picture.layers.check_lengths()?;
+    }
     // ꟻLIP's filters grow with the pixels per degree.
     if let Some(all) = options.pixels_per_degree
         && !(1.0..=1000.0).contains(&all)

@@ -32,6 +32,18 @@ fn set(picture: &mut Picture, index: usize, value: f32) {
 }
 
 #[test]
+fn channels_without_a_sample_for_each_pixel_are_refused() {
+    let [r, mut c] = light(8, 8);
+    let Samples::F32(samples) = &mut c.layers.channels[1].samples else {
+        unreachable!("light is single precision");
+    };
+    samples.truncate(60);
+    let words = ["radiance.G", "60 samples for 64 pixels"];
+    says(&r, &c, &words);
+    says(&c, &r, &words);
+}
+
+#[test]
 fn other_sizes_are_refused() {
     let ([r, _], [_, c]) = (light(8, 8), light(9, 8));
     says(&r, &c, &["9 × 8", "8 × 8"]);

@@ -226,7 +226,8 @@ pub fn passes(text: &str) -> Result<u32, String> {
 }
 
 pub fn aovs(text: &str) -> Result<AovList, String> {
-    aov::parse(text).map(AovList)
+    let list = aov::parse(text).map_err(|error| error.to_string())?;
+    Ok(AovList(list))
 }
 
 /// The precision of visibility.

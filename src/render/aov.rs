@@ -9,6 +9,8 @@
 
 use serde::{Serialize, Serializer};
 
+use crate::error::{Error, Result};
+
 /// Generates the enumeration and its table from one list.
 macro_rules! aovs {
     ($($variant:ident, $name:literal, $combine:ident $(($why:ident))?, $meaning:literal, $definition:literal;)*) => {
@@ -177,16 +179,15 @@ impl Aov {
 /// "radiance" adds nothing.
 ///
 /// # Errors
-/// A sentence that names the unknown word and the known ones.
-pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
+/// An [`Error::Value`] that names the unknown word and the known ones.
+pub fn parse(list: &str) -> Result<Vec<Aov>> {
     let mut chosen = Vec::new();
     for word in list.split(',').map(str::trim).filter(|w| !w.is_empty()) {
         let named = named(word);
         if named.is_empty() && word != "radiance" {
-            return Err(format!(
-                "\"{word}\" is not a channel; there are: all, {}",
-                groups().join(", ")
-            ));
+            let known = groups().join(", ");
+            let what = format!("\"{word}\" is not a channel; there are: all, {known}");
+            return Err(Error::Value(what.into()));
         }
         chosen.extend(named);
     }
@@ -240,6 +241,6 @@ mod tests {
         assert_eq!(parse("all").unwrap().len(), Aov::ALL.len());
         assert_eq!(parse("radiance").unwrap(), []);
         assert_eq!(parse("missing").unwrap().len(), 4);
-        assert!(parse("depth").unwrap_err().contains("depth"));
+        assert!(parse("depth").unwrap_err().to_string().contains("depth"));
     }
 }

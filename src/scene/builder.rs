@@ -155,6 +155,14 @@ impl Builder {
         self.add("source", name, "cube", keys)
     }
 
+    /// The same with bins of different widths: `edges` are the start of each and the end of the last, metres (ct).
+    pub fn cube_with_edges(mut self, name: &str, cube: Arc<Cube>, edges: &[f64]) -> Self {
+        let file = self.memory.add_cube(cube).into();
+        let edges = edges.iter().map(|edge| Value::from(metres(*edge)));
+        let keys = Value::table([("file", file), ("edges", edges.collect())]);
+        self.add("source", name, "cube", keys)
+    }
+
     /// Adds the source `name`, a spherical pulse of light from `position`, with a standard deviation of `sigma` metres (ct) in time.
     pub fn pulse(self, name: &str, position: DVec3, sigma: f64) -> Self {
         let sigma = metres(sigma).into();
@@ -280,7 +288,20 @@ macro_rules! from {
     };
 }
 
-from!(f64 => f64, f32 => f64, i32 => i64, u32 => i64, i64 => i64, bool => bool, &str => String, String => String);
+from!(f64 => f64, f32 => f64, i32 => i64, u32 => i64, i64 => i64, bool => bool, &str => String, String => String, &String => String);
+
+impl From<usize> for Value {
+    fn from(number: usize) -> Self {
+        // Of numbers beyond those of TOML, the largest, which every key refuses.
+        i64::try_from(number).unwrap_or(i64::MAX).into()
+    }
+}
+
+impl<T: Into<Value> + Clone> From<&[T]> for Value {
+    fn from(values: &[T]) -> Self {
+        values.iter().cloned().collect()
+    }
+}
 
 impl<T: Into<Value>, const N: usize> From<[T; N]> for Value {
     fn from(values: [T; N]) -> Self {

@@ -270,6 +270,8 @@ pub struct CubeSource {
     pub reconstruction: Reconstruction,
     /// Factor on all values.
     pub scale: f64,
+    /// What to do with samples below 0, if the scene says so; a cube in memory has been treated.
+    pub negative: Option<Negative>,
     /// What its file says of its light.
     pub recorded: Recorded,
     /// The keys that the scene omits and its file gives, with their values.
@@ -290,6 +292,20 @@ impl Scene {
 }
 
 impl CubeSource {
+    /// What to read from `file`, which holds it.
+    pub fn wanted<'a>(&'a self, file: &'a CubeFile) -> Wanted<'a> {
+        Wanted {
+            array: file.array.as_deref(),
+            axes: file.axes.as_ref(),
+            channels: self.channels.as_ref(),
+            transfer: file.transfer,
+            dead_bins: &file.dead_bins,
+            bin_sizes: file.bin_sizes.as_ref(),
+            negative: self.negative,
+            memory: None,
+        }
+    }
+
     /// The channels beside red, green and blue that the scene declares.
     pub fn companions(&self) -> Vec<CubeChannel> {
         self.channels
@@ -408,24 +424,6 @@ pub struct CubeFile {
     pub dead_bins: Vec<usize>,
     /// By what these are interpolated where bins differ in width.
     pub bin_sizes: Option<BinSizes>,
-    /// What to do with samples below 0, if the scene says so.
-    pub negative: Option<Negative>,
-}
-
-impl CubeFile {
-    /// What to read from the file, with these channels.
-    pub fn wanted<'a>(&'a self, channels: Option<&'a Channels>) -> Wanted<'a> {
-        Wanted {
-            array: self.array.as_deref(),
-            axes: self.axes.as_ref(),
-            channels,
-            transfer: self.transfer,
-            dead_bins: &self.dead_bins,
-            bin_sizes: self.bin_sizes.as_ref(),
-            negative: self.negative,
-            memory: None,
-        }
-    }
 }
 
 impl CubeData {

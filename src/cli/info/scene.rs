@@ -159,7 +159,7 @@ fn assumed(header: &Result<CubeInfo>, cube: &CubeSource) -> Vec<String> {
 fn header(cube: &CubeSource, memory: u64) -> Result<CubeInfo> {
     match &cube.data {
         CubeData::File(file) => {
-            let wanted = file.wanted(cube.channels.as_ref());
+            let wanted = cube.wanted(file);
             cube::inspect(&file.path, wanted.within(memory))
         }
         CubeData::Memory(cube) => Ok(CubeInfo::of(cube)),

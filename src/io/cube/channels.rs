@@ -9,6 +9,7 @@ use std::str::FromStr;
 use super::axes::Axes;
 use super::samples::{Cube, CubeSamples};
 use crate::colour::{INFRARED, ULTRAVIOLET};
+use crate::error::{Error, Result};
 
 /// What a channel of a cube holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -65,22 +66,23 @@ impl Channels {
     /// Channels of these names.
     ///
     /// # Errors
-    /// An unknown or repeated name, or a missing colour.
-    pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Channels, String> {
+    /// An [`Error::Value`]: an unknown or repeated name, or a missing colour.
+    pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Channels> {
+        let refuse = |what: String| Err(Error::Value(what.into()));
         let mut channels = Vec::new();
         for name in names {
             let known = CubeChannel::ALL.iter().find(|(_, known)| *known == name);
             let Some((channel, _)) = known else {
-                return Err(format!("{name:?} is not the name of a channel"));
+                return refuse(format!("{name:?} is not the name of a channel"));
             };
             if channels.contains(channel) {
-                return Err(format!("the channel {name} is named twice"));
+                return refuse(format!("the channel {name} is named twice"));
             }
             channels.push(*channel);
         }
         for (colour, name) in &CubeChannel::ALL[..3] {
             if !channels.contains(colour) {
-                return Err(format!("there is no channel {name}"));
+                return refuse(format!("there is no channel {name}"));
             }
         }
         Ok(Channels(channels))
@@ -153,10 +155,10 @@ impl Channels {
 }
 
 impl FromStr for Channels {
-    type Err = String;
+    type Err = Error;
 
     /// From names with blanks or commas between them, like `R,G,B,IR,UV`.
-    fn from_str(text: &str) -> Result<Channels, String> {
+    fn from_str(text: &str) -> Result<Channels> {
         let names = text.split([',', ' ']);
         Channels::named(names.filter(|name| !name.is_empty()))
     }
@@ -211,7 +213,8 @@ mod tests {
             (&["R", "G", "B", "NIR"], "\"NIR\" is not"),
             (&[], "no channel R"),
         ] {
-            let error = Channels::named(names.iter().copied()).unwrap_err();
+            let error = Channels::named(names.iter().copied());
+            let error = error.unwrap_err().to_string();
             assert!(error.contains(wrong), "{names:?}: {error}");
         }
     }

@@ -1,6 +1,7 @@
 //! Samples below 0: statistics, and their treatment.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use half::f16;
 use rayon::prelude::*;
@@ -136,6 +137,14 @@ impl Cube {
 }
 
 impl Negative {
+    /// Applies the treatment to a shared cube, which is copied if it changes.
+    pub(crate) fn applied(self, mut cube: Arc<Cube>, path: &Path) -> Result<Arc<Cube>> {
+        if self != Negative::Keep && cube.below_zero().is_some() {
+            self.apply_to_cube(Arc::make_mut(&mut cube), path)?;
+        }
+        Ok(cube)
+    }
+
     /// Applies the treatment to a cube.
     pub(super) fn apply_to_cube(self, cube: &mut Cube, path: &Path) -> Result<()> {
         match (self, cube.below_zero()) {

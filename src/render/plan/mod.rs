@@ -305,7 +305,7 @@ fn inspect_cubes(
             }
             let (shape, bytes, file, array) = match &cube.data {
                 CubeData::File(file) => {
-                    let wanted = file.wanted(cube.channels.as_ref()).within(memory);
+                    let wanted = cube.wanted(file).within(memory);
                     let info = cubes::inspect(&file.path, wanted)?;
                     (
                         info.shape,

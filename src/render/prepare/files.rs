@@ -45,8 +45,10 @@ pub fn check_files<'a>(
             let CubeData::File(file) = &cube.data else {
                 continue;
             };
-            if is_new(format!("{file:?} {:?}", cube.channels)) && planned.bytes <= LARGEST {
-                let wanted = file.wanted(cube.channels.as_ref());
+            if is_new(format!("{file:?} {:?} {:?}", cube.channels, cube.negative))
+                && planned.bytes <= LARGEST
+            {
+                let wanted = cube.wanted(file);
                 cube::load(&file.path, wanted.within(plan.memory_limit))?;
             }
         }

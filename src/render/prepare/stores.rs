@@ -7,7 +7,9 @@ use glam::DVec3;
 
 use crate::accel::Ray;
 use crate::error::{Error, Result};
-use crate::io::cube::{self as cubes, Bricks, Channels, Cube, CubeChannel, CubeStore, Wanted};
+use crate::io::cube::{
+    self as cubes, Bricks, Channels, Cube, CubeChannel, CubeStore, Negative, Wanted,
+};
 use crate::light::time_texture::survey::{self, Order};
 use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
 use crate::render::plan::Plan;
@@ -17,8 +19,15 @@ use crate::scene::model::{
     Scene, SourceKind,
 };
 
-/// A file, the declaration of its channels, the companions used from it, and whether the scene holds its first and last bins.
-type FileParts = (CubeFile, Option<Channels>, Vec<CubeChannel>, bool);
+/// A file, the declarations of its channels and of samples below 0, the companions used from it, and whether the scene holds its first and
+/// last bins.
+type FileParts = (
+    CubeFile,
+    Option<Channels>,
+    Option<Negative>,
+    Vec<CubeChannel>,
+    bool,
+);
 
 /// Cubes from files, for scenes that are [prepared](super::Prepared::sharing) one after the other: what each has in common with the one
 /// before is neither loaded nor checked again.
@@ -60,6 +69,7 @@ fn key(scene: &Scene, cube: &CubeSource) -> Option<FileParts> {
         CubeData::File(file) => Some((
             file.clone(),
             cube.channels.clone(),
+            cube.negative,
             scene.companions_of(cube),
             is_held(scene),
         )),
@@ -195,11 +205,10 @@ impl<'a> Stores<'a> {
         let channels = scene.companions_of(cube);
         let (colours, companions) = self.load(cube, &channels, held)?;
         // What looks wrong about the samples, or was assumed of them.
-        let (mut assumed, mut negative) = (Order::Stated, None);
+        let (mut assumed, negative) = (Order::Stated, cube.negative);
         let mut remarks = Vec::new();
         if let CubeData::File(file) = &cube.data {
-            negative = file.negative;
-            let wanted = file.wanted(cube.channels.as_ref());
+            let wanted = cube.wanted(file);
             let info = cubes::inspect(&file.path, wanted.within(self.memory))?;
             let format = cubes::format_called(&file.path);
             assumed = match (info.assumed, format.is_some_and(|format| format.pictures)) {
@@ -245,7 +254,7 @@ impl<'a> Stores<'a> {
                 });
             }
         };
-        let wanted = file.wanted(cube.channels.as_ref()).within(self.memory);
+        let wanted = cube.wanted(file).within(self.memory);
         Ok(match (held, &cube.channels) {
             (Some(room), None) => (self.bricks(file, wanted, room)?.into(), Vec::new()),
             (Some(room), Some(channels)) => {

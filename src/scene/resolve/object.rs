@@ -144,17 +144,19 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
     let object = &at.value;
     cx.exclusive((&object.gltf, "gltf"), (&object.shape, "shape"))?;
     if let Some(gltf) = &object.gltf {
+        let in_memory = cx.in_memory(gltf, |name| cx.inputs.memory.mesh(name))?;
+        let own = match &in_memory {
+            Some(_) => (&object.gltf, "mesh"),
+            None => (&object.gltf, "gltf"),
+        };
         // These describe the one material of a built-in shape; a mesh brings its own.
-        cx.exclusive((&object.gltf, "gltf"), (&object.colour, "colour"))?;
-        cx.exclusive((&object.gltf, "gltf"), (&object.metallic, "metallic"))?;
-        cx.exclusive((&object.gltf, "gltf"), (&object.roughness, "roughness"))?;
-        cx.exclusive(
-            (&object.gltf, "gltf"),
-            (&object.transmission, "transmission"),
-        )?;
-        cx.exclusive((&object.gltf, "gltf"), (&object.ior, "ior"))?;
-        if let Some(mesh) = cx.in_memory(gltf, |name| cx.inputs.memory.mesh(name))? {
-            cx.exclusive((&object.gltf, "mesh"), (&object.node, "node"))?;
+        cx.exclusive(own, (&object.colour, "colour"))?;
+        cx.exclusive(own, (&object.metallic, "metallic"))?;
+        cx.exclusive(own, (&object.roughness, "roughness"))?;
+        cx.exclusive(own, (&object.transmission, "transmission"))?;
+        cx.exclusive(own, (&object.ior, "ior"))?;
+        if let Some(mesh) = in_memory {
+            cx.exclusive(own, (&object.node, "node"))?;
             return Ok(Geometry::Mesh(mesh));
         }
         return Ok(Geometry::Gltf {

@@ -1,6 +1,6 @@
 //! Time-resolved sources.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::context::Context;
 use super::{binding, object, pose, radiance};
@@ -148,6 +148,7 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
             Some(scale) => cx.positive(scale, "`scale`")?,
             None => 1.0,
         },
+        negative: cube.negative.as_ref().map(|at| at.value),
         read: time.read,
         assumed: time
             .assumed
@@ -372,7 +373,7 @@ fn channels(cx: &Context, cube: &file::Cube) -> Result<Option<Channels>> {
     let names = at.value.iter().map(String::as_str);
     let channels = Channels::named(names).map_err(|what| {
         let help = "name each channel once, in the order of the array: \"R\", \"G\", \"B\", and maybe \"IR\" and \"UV\"";
-        cx.refuse(at, what, help)
+        cx.refuse(at, what.to_string(), help)
     })?;
     Ok(Some(channels))
 }
@@ -404,10 +405,6 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>, time: &TimeKeys) ->
                 "leave `dead_bins` out, and give the cube without them",
             ));
         }
-        if let Some(negative) = &cube.negative {
-            let what = "a cube in memory is read as it is";
-            return Err(cx.refuse(negative, what, "leave `negative` out"));
-        }
         let count = in_memory.shape[3];
         if let Some(at) = &cube.channels
             && at.value.len() != count
@@ -418,7 +415,13 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>, time: &TimeKeys) ->
             );
             return Err(cx.refuse(at, what, "name each of them once, in their order"));
         }
-        return Ok(CubeData::Memory(in_memory));
+        let Some(negative) = &cube.negative else {
+            return Ok(CubeData::Memory(in_memory));
+        };
+        let treated = negative
+            .value
+            .applied(in_memory, Path::new(&cx.report.name));
+        return treated.map(CubeData::Memory);
     }
     let path = cube_path(cx, &cube.file)?;
     if !cube::format_called(&path).is_some_and(|format| format.named) {
@@ -445,7 +448,6 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>, time: &TimeKeys) ->
         transfer: cube.transfer.as_ref().map(|at| at.value),
         dead_bins,
         bin_sizes,
-        negative: cube.negative.as_ref().map(|at| at.value),
     }))
 }
 

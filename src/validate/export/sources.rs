@@ -36,7 +36,7 @@ pub(super) fn write(
                         stored.place(&file.path, cubes, files)?
                     }
                     CubeData::File(file) => {
-                        let wanted = file.wanted(cube.channels.as_ref());
+                        let wanted = cube.wanted(file);
                         let wanted = wanted.within(plan.memory_limit);
                         write_out(&cube::load(&file.path, wanted)?, index, files)?
                     }

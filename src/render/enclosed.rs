@@ -32,10 +32,10 @@ pub fn enclosed_lamps(scene: &Scene, prepared: &Prepared) -> Vec<EnclosedLamp> {
     let lights = scene.lights.iter().filter(|light| light.shadows);
     let lamps = lights.filter_map(|light| match &light.kind {
         LightKind::Lamp(lamp) if !matches!(lamp.beam, Beam::Parallel(_)) => {
-            let near = lamp.line.state(0.0);
             // Where and when the camera sees the lamp; if that is unknown, the position in the scene.
-            let seen = near.and_then(|near| {
-                let crossing = lamp.line.on_past_light_cone(&near, shot - near.event)?;
+            let seen = lamp.world_line().ok().and_then(|line| {
+                let near = line.state(0.0)?;
+                let crossing = line.on_past_light_cone(&near, shot - near.event)?;
                 Some(near.event + crossing.displacement)
             });
             Some((&light.name, seen.unwrap_or(lamp.origin)))

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::model::{Assembly, CameraModel, Motion, Object, Scene, Sensor, Sky, SkyRadiance};
+use super::model::{Assembly, CameraModel, Lamp, Motion, Object, Scene, Sensor, Sky, SkyRadiance};
 use super::text::Text;
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
 use crate::spacetime::{CameraFrame, Event, InertialFrame, Quantity, Rest, Velocity, World};
@@ -56,6 +56,16 @@ impl CameraModel {
             corner(1.0, -1.0),
             corner(-1.0, -1.0),
         ])
+    }
+}
+
+impl Lamp {
+    /// Its world line, whose proper time is its clock.
+    ///
+    /// # Errors
+    /// As [`CameraModel::world_line`].
+    pub fn world_line(&self) -> Result<WorldLine, WorldLineError> {
+        self.motion.world_line(self.velocity, self.origin)
     }
 }
 

@@ -19,7 +19,7 @@ fn lamp(keys: &str) -> Lamp {
         unreachable!()
     };
     let received = Received::Scaled(Quantity::Integrated);
-    Lamp::new(lamp, received, true, Event::new(3.0, DVec3::ZERO))
+    Lamp::new(lamp, received, true, Event::new(3.0, DVec3::ZERO)).unwrap()
 }
 
 /// E at the event (t, x) on a surface at rest that faces the lamp.

@@ -53,7 +53,7 @@ use super::Received;
 use crate::accel::vectors::BLOCK;
 use crate::colour::{ColourTable, Line, Spectrum, Wavelengths};
 use crate::scene::model::{self, Beam, Pulse};
-use crate::spacetime::worldline::{State, WorldLine};
+use crate::spacetime::worldline::{State, WorldLine, WorldLineError};
 use crate::spacetime::{
     Boost, CameraFrame, Direction, Displacement, Event, InertialFrame, NullRay, Velocity, World,
 };
@@ -129,12 +129,21 @@ impl Arrival {
 
 impl Lamp {
     /// Prepares `lamp`, whose light surfaces receive as `received`, for points near those seen from `shot`.
-    pub fn new(lamp: &model::Lamp, received: Received, shadows: bool, shot: Event<World>) -> Self {
+    ///
+    /// # Errors
+    /// As [`model::Lamp::world_line`].
+    pub fn new(
+        lamp: &model::Lamp,
+        received: Received,
+        shadows: bool,
+        shot: Event<World>,
+    ) -> Result<Self, WorldLineError> {
         // Lamps in uniform motion have arrivals in closed form; on other world lines the crossing is searched near that of the shot.
-        let path = match lamp.line.frame() {
-            Some(frame) if frame.velocity().is_rest() => Path::Rest(lamp.origin),
+        let line = lamp.world_line()?;
+        let path = match line.frame() {
+            Some(frame) if frame.velocity().is_rest() => Path::Rest(frame.origin()),
             Some(frame) => Path::Inertial(frame),
-            None => Path::along(&lamp.line, shot),
+            None => Path::along(line, shot),
         };
         let beam = match lamp.beam {
             Beam::Point => Cone::Everywhere,
@@ -154,7 +163,7 @@ impl Lamp {
             Some((spectrum, grey)) => (Some(Arc::new(ColourTable::new(&spectrum))), grey),
             None => (None, lamp.intensity),
         };
-        Lamp {
+        Ok(Lamp {
             path,
             beam,
             emission: Emission::from(&lamp.emission),
@@ -163,6 +172,13 @@ impl Lamp {
             spectrum,
             shadows,
             pulse: None,
+        })
+    }
+
+    /// Prepares it for points near those seen from another `shot`.
+    pub(crate) fn retake(&mut self, shot: Event<World>) {
+        if let Path::Line(line) = &self.path {
+            self.path = Path::along(line.0.clone(), shot);
         }
     }
 
@@ -355,12 +371,13 @@ impl Lamp {
 }
 
 impl Path {
-    fn along(line: &WorldLine, shot: Event<World>) -> Path {
-        // Searches for crossings start from this state: points of the picture are near, and so are their crossings.
+    fn along(line: WorldLine, shot: Event<World>) -> Path {
+        // Searches for crossings start from this state: points of the picture are near, and so are their crossings. Arrivals have its
+        // rounding, so it must be that of the shot in use.
         let seen = line.on_past_light_cone_of(shot);
         let near = seen.and_then(|crossing| line.state(crossing.proper_time()));
         match near.or_else(|| line.state(0.0)) {
-            Some(near) => Path::Line(Box::new((line.clone(), near))),
+            Some(near) => Path::Line(Box::new((line, near))),
             // Every world line has a state at its proper time 0.
             None => Path::Rest(shot),
         }

@@ -42,7 +42,7 @@ use crate::error::{Error, Result};
 use crate::io::cube::Cube;
 use crate::io::npy::Dtype;
 use crate::light::Received;
-use crate::light::lamp::{Emission, Lamp};
+use crate::light::lamp::Emission;
 use crate::mesh::atlas::Corners;
 use crate::render::film::TILE;
 use crate::render::prepare::Prepared;
@@ -244,8 +244,7 @@ pub fn check(scene: &Scene) -> Result<()> {
             let help = "a lamp that rests with the objects, or `render.bounces`";
             return refuse(place, what, help);
         }
-        let end = Lamp::new(lamp, Received::Scaled(scene.quantity), false, lamp.origin);
-        if end.emission_span().is_none() {
+        if Emission::from(&lamp.emission).span().is_none() {
             return refuse(place, FOR_EVER.into(), with_an_end);
         }
     }

@@ -286,16 +286,19 @@ impl<'a> Builder<'a> {
             SourceKind::Pulse(pulse) => Some(Lamp::pulse(pulse, received(source.quantity, scene))),
             SourceKind::Cube(_) => None,
         });
-        let lights = scene.lights.iter().map(|light| match &light.kind {
-            LightKind::Lamp(lamp) => Some(Lamp::new(
-                lamp,
-                received(scene.quantity, scene),
-                light.shadows,
-                shot,
-            )),
-            LightKind::Area { .. } => None,
-        });
-        let lamps: Vec<_> = pulses.chain(lights).chain([sun]).collect();
+        let mut lamps: Vec<_> = pulses.collect();
+        for light in &scene.lights {
+            lamps.push(match &light.kind {
+                LightKind::Lamp(lamp) => Some(Lamp::new(
+                    lamp,
+                    received(scene.quantity, scene),
+                    light.shadows,
+                    shot,
+                )?),
+                LightKind::Area { .. } => None,
+            });
+        }
+        lamps.push(sun);
         // The scene's lights, for everything that reflects.
         let everywhere = || (scene.sources.len()..lamps.len()).filter(|k| lamps[*k].is_some());
         let quantities = self.emitters.iter().map(|(lit, _)| match lit {

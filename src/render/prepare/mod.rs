@@ -235,6 +235,11 @@ impl Prepared {
     pub(crate) fn set_camera(&mut self, scene: &Scene) -> Result<()> {
         self.camera = Camera::new(scene)?;
         self.integrated_exposure = scene.camera.integrated_exposure();
+        let shot = self.camera.shot.event;
+        if let Some(light) = self.light.time_resolved_mut() {
+            let lamps = light.lamps.iter_mut().flatten();
+            lamps.for_each(|lamp| lamp.retake(shot));
+        }
         // Stars and the sun are widened by the motion of the camera.
         if let Background::Sky {
             angle,

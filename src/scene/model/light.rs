@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use super::Motion;
 use crate::colour::Spectrum;
-use crate::spacetime::worldline::WorldLine;
 use crate::spacetime::{Event, Velocity, World};
 
 /// A light.
@@ -67,8 +66,6 @@ pub struct Lamp {
     pub velocity: Velocity,
     /// Its motion from there.
     pub motion: Motion,
-    /// The resulting world line.
-    pub line: WorldLine,
 }
 
 /// The directions in which a lamp shines, in its own frame, whose axes are the world's, boosted without rotation.

@@ -307,7 +307,7 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
         origin,
         velocity,
         motion,
-        line,
+        ..
     } = moving(cx, at)?;
     Ok(Lamp {
         intensity: intensity(cx, light, beam)?,
@@ -322,7 +322,6 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
         origin,
         velocity,
         motion,
-        line,
     })
 }
 

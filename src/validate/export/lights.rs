@@ -16,7 +16,7 @@ pub(super) fn lamps(scene: &Scene) -> Vec<LampEntry> {
 }
 
 fn describe(light: &Light, lamp: &Lamp) -> Option<LampEntry> {
-    let frame = lamp.line.frame()?;
+    let frame = lamp.world_line().ok()?.frame()?;
     let (beam, axis, cone) = match lamp.beam {
         Beam::Point => ("point", None, None),
         Beam::Spot { axis, inner, outer } => ("spot", Some(axis), Some([inner, outer])),
@@ -94,7 +94,9 @@ pub(super) fn undescribed(scene: &Scene, is_matte: bool) -> Vec<&'static str> {
         ),
         (has(&is_area), "lights that are surfaces of objects"),
         (
-            has(&lamp(|lamp| lamp.line.frame().is_none())),
+            has(&lamp(|lamp| {
+                lamp.world_line().is_ok_and(|line| line.frame().is_none())
+            })),
             "lamps that accelerate, which `lamps` leaves out",
         ),
         (

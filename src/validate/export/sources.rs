@@ -88,9 +88,9 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
 }
 
 /// Whether these are arrays whose samples are read as they are, which a bundle contains unchanged; everything else is converted to one.
-fn is_raw(file: &CubeFile) -> bool {
+fn is_raw(cube: &CubeSource, file: &CubeFile) -> bool {
     let is_numpy = cube::format_called(&file.path).is_some_and(|format| format.key == "numpy");
-    is_numpy && file.dead_bins.is_empty() && file.negative != Some(Negative::Zero)
+    is_numpy && file.dead_bins.is_empty() && cube.negative != Some(Negative::Zero)
 }
 
 /// The location of a cube's file.

@@ -2,7 +2,6 @@
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 use nullray::scene::model::{Beam, LightKind, Scene};
-use nullray::spacetime::worldline::WorldLine;
 use nullray::spacetime::{Event, Velocity, World};
 
 /// (ct, x).
@@ -65,7 +64,6 @@ pub fn boosted(scene: &Scene, v: DVec3) -> Scene {
         let (w, turn) = compose(lambda, lamp.velocity.rapidity());
         lamp.velocity = Velocity::from_rapidity(w).unwrap();
         lamp.origin = event(lamp.origin);
-        lamp.line = WorldLine::inertial(lamp.velocity, lamp.origin);
         if let Beam::Spot { axis, .. } = &mut lamp.beam {
             *axis = turn * *axis;
         }

@@ -21,7 +21,6 @@ use crate::render::progress::Silent;
 use crate::render::render;
 use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind, TimeFilter};
 use crate::spacetime::Velocity;
-use crate::spacetime::worldline::WorldLine;
 
 /// The most moving objects that are tested.
 const MOST_OBJECTS: usize = 8;
@@ -294,7 +293,6 @@ fn elsewhere(
             let change = |scene: &mut Scene, x| {
                 if let LightKind::Lamp(lamp) = &mut scene.lights[k].kind {
                     lamp.origin.x += x;
-                    lamp.line = WorldLine::inertial(lamp.velocity, lamp.origin);
                 }
             };
             let words = |x| in_words(&format!("the lamp {:?}", light.name), right + x, right);

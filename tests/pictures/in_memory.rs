@@ -5,16 +5,18 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use nullray::Error;
-use nullray::io::cube::{self, Cube, CubeSamples, Wanted};
+use nullray::io::cube::{self, Channels, Cube, CubeSamples, Wanted};
 use nullray::io::gltf::{self, Want};
 
 use nullray::mesh::{AlphaMode, Mesh, shapes};
-use nullray::render::aov::Aov;
+use nullray::render::aov::{self, Aov};
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{
-    BadTextures, BadVertices, EmissionProfile, Geometry, LightKind, Scene, SourceKind,
+    BadTextures, BadVertices, Beam, Brightness, CaptureCamera, Catalogue, CubeData,
+    EmissionProfile, Exposure, Geometry, Lamp, LightKind, Mapping, Motion, Pulse, Scene, Sky,
+    SkyRadiance, SourceKind, Stars, Stereo,
 };
 use nullray::scene::{Builder, Value};
 use nullray::spacetime::units::Time;
@@ -353,8 +355,214 @@ fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
         prepared
             .unwrap_err()
             .to_string()
-            .contains("the plan is for 2 objects")
+            .contains("the scene has 1 objects, but 2 were planned")
     );
+}
+
+/// What a program may set in a scene, to be refused.
+type Change = fn(&mut Scene);
+
+#[test]
+fn numbers_that_no_scene_file_can_contain_are_refused_by_name() {
+    const NAN: f64 = f64::NAN;
+    fn lamp(scene: &mut Scene) -> &mut Lamp {
+        match &mut scene.lights[0].kind {
+            LightKind::Lamp(lamp) => lamp,
+            LightKind::Area { .. } => unreachable!(),
+        }
+    }
+    fn pulse(scene: &mut Scene) -> &mut Pulse {
+        match &mut scene.sources[0].kind {
+            SourceKind::Pulse(pulse) => pulse,
+            SourceKind::Cube(_) => unreachable!(),
+        }
+    }
+    fn capture(scene: &mut Scene) -> &mut CaptureCamera {
+        match &mut scene.sources[1].kind {
+            SourceKind::Cube(cube) => match &mut cube.mapping {
+                Mapping::Capture(camera) => camera,
+                Mapping::Uv { .. } => unreachable!(),
+            },
+            SourceKind::Pulse(_) => unreachable!(),
+        }
+    }
+    fn sky(scene: &mut Scene) -> &mut Sky {
+        scene.sky.as_mut().unwrap()
+    }
+    fn stars(scene: &mut Scene) -> &mut Stars {
+        sky(scene).stars.as_mut().unwrap()
+    }
+    fn random(scene: &mut Scene, many: u32, magnitude: f64) {
+        stars(scene).catalogue = Catalogue::Random {
+            count: many,
+            seed: 1,
+            faintest: magnitude,
+        };
+    }
+    fn train(period: f64) -> EmissionProfile {
+        EmissionProfile::Train {
+            centre: 0.0,
+            sigma: 0.1,
+            period,
+            count: None,
+        }
+    }
+    let cube = Cube::new([4, 4, 2, 1], CubeSamples::F32(vec![1.0; 32])).unwrap();
+    let keys = Value::table([
+        ("eye", [0.0, 0.0, 4.0].into()),
+        ("look_at", DVec3::ZERO.into()),
+        ("hfov", "40 deg".into()),
+    ]);
+    let text = "[sky]\nsun = {}\nstars = { count = 10 }\n[camera.sensor]\nfocal_length = \"36 mm\"\n\
+                [camera.shutter]\nduration = \"1 m\"\n[camera.rotation]\naxis = [0, 0, 1]\nrate = \"0.1 rad/m\"\n";
+    let scene = Builder::from_toml("changed", text)
+        .set("camera.eye", [0.5, 0.0, 4.0])
+        .set("camera.look_at", DVec3::ZERO)
+        .set("camera.size", [8, 6])
+        .shape("a", shapes_box())
+        .shape("b", shapes_box())
+        .light("l", [("position", DVec3::Y.into())])
+        .pulse("p", DVec3::Y, 0.1)
+        .set("source.p.objects", ["a"])
+        .cube("c", Arc::new(cube), 0.5)
+        .set("source.c.cube.capture", keys)
+        .set("source.c.objects", ["b"])
+        .build()
+        .unwrap();
+    Plan::new(&scene, &Request::default()).unwrap();
+    let rows: &[(&str, Change)] = &[
+        ("speed_of_light", |s| s.speed_of_light = 0.0),
+        ("background", |s| s.background[1] = NAN),
+        ("bits", |s| s.bits = 7),
+        ("false_colour", |s| s.false_colour = Some(0.0)),
+        ("exposure", |s| s.exposure = Exposure::Percentile(101.0)),
+        ("exposure", |s| {
+            s.exposure = Exposure::Logarithmic([2.0, 1.0])
+        }),
+        ("camera.origin", |s| s.camera.origin.ct = NAN),
+        ("camera.axes", |s| s.camera.axes = [DVec3::ZERO; 3]),
+        ("camera.axes", |s| s.camera.axes[1] = DVec3::NAN),
+        ("camera.axes", |s| s.camera.axes[1] = s.camera.axes[0]),
+        ("camera.frame_interval", |s| {
+            s.camera.frame_interval = Some(0.0)
+        }),
+        ("camera.rotation.axis", |s| {
+            s.camera.rotation.as_mut().unwrap().axis *= 2.0
+        }),
+        ("camera.rotation.rate", |s| {
+            s.camera.rotation.as_mut().unwrap().rate = NAN
+        }),
+        ("camera.sensor.focal_length", |s| {
+            s.camera.sensor.as_mut().unwrap().focal_length = 0.0
+        }),
+        ("camera.sensor.focal_length", |s| {
+            s.camera.sensor.as_mut().unwrap().focal_length = NAN
+        }),
+        ("camera.shutter.duration", |s| {
+            s.camera.shutter.as_mut().unwrap().duration = -1.0
+        }),
+        ("camera.stereo.interpupillary_distance", |s| {
+            let interpupillary_distance = NAN;
+            s.camera.stereo = Some(Stereo {
+                interpupillary_distance,
+            });
+        }),
+        ("object \"a\", transform", |s| {
+            s.objects[0].transform.matrix3.x_axis = DVec3::ZERO
+        }),
+        ("object \"a\", transform", |s| {
+            s.objects[0].transform.matrix3.x_axis.x = NAN
+        }),
+        ("object \"a\", transform", |s| {
+            s.objects[0].transform.translation.x = NAN
+        }),
+        ("object \"b\", origin", |s| s.objects[1].origin.x.y = NAN),
+        ("source \"p\", objects", |s| s.objects.clear()),
+        ("source \"c\", objects", |s| s.objects.truncate(1)),
+        ("source \"p\", sigma", |s| pulse(s).sigma = 0.0),
+        ("source \"p\", sigma", |s| pulse(s).sigma = NAN),
+        ("source \"p\", origin", |s| pulse(s).origin.x.x = NAN),
+        ("source \"p\", intensity", |s| pulse(s).intensity[2] = -1.0),
+        ("source \"c\", capture.fov", |s| capture(s).fov = 0.0),
+        ("source \"c\", capture.fov", |s| capture(s).fov = NAN),
+        ("source \"c\", capture.eye", |s| capture(s).eye.x = NAN),
+        ("source \"c\", capture.axes", |s| {
+            capture(s).axes[2] = DVec3::ZERO
+        }),
+        ("source \"c\", capture.near_clip", |s| {
+            capture(s).near_clip = NAN
+        }),
+        ("light \"l\", intensity", |s| lamp(s).intensity[0] = -1.0),
+        ("light \"l\", intensity", |s| lamp(s).intensity[0] = NAN),
+        ("light \"l\", origin", |s| lamp(s).origin.ct = NAN),
+        ("light \"l\", beam", |s| {
+            lamp(s).beam = Beam::Parallel(DVec3::ZERO)
+        }),
+        ("light \"l\", beam", |s| {
+            lamp(s).beam = Beam::Spot {
+                axis: DVec3::Y,
+                inner: 1.0,
+                outer: 0.5,
+            };
+        }),
+        ("light \"l\", motion", |s| {
+            lamp(s).motion = Motion::Circular {
+                centre: DVec3::ZERO,
+                axis: DVec3::Z,
+                rate: 2.0,
+            };
+        }),
+        ("light \"l\", emission", |s| lamp(s).emission = train(0.0)),
+        ("light \"l\", emission", |s| lamp(s).emission = train(0.05)),
+        ("light \"l\", emission", |s| {
+            lamp(s).emission = EmissionProfile::Gaussian {
+                centre: 0.0,
+                sigma: NAN,
+            };
+        }),
+        ("light \"l\", emission", |s| {
+            lamp(s).emission = EmissionProfile::Table(vec![[1.0, 1.0], [0.0, 1.0]]);
+        }),
+        ("light \"l\", emission", |s| {
+            lamp(s).emission = EmissionProfile::Table(vec![[0.0, 1.0], [1.0, NAN]]);
+        }),
+        ("light \"l\", object", |s| {
+            s.lights[0].kind = LightKind::Area {
+                object: 99,
+                brightness: Brightness::Radiance([1.0; 3]),
+                emission: EmissionProfile::Steady,
+            };
+        }),
+        ("sky.background", |s| {
+            sky(s).background = SkyRadiance::Uniform([0.0, -1.0, 0.0])
+        }),
+        ("sky.background", |s| {
+            sky(s).background = SkyRadiance::Uniform([NAN; 3])
+        }),
+        ("sky.sun.direction", |s| {
+            sky(s).sun.as_mut().unwrap().direction = DVec3::NAN
+        }),
+        ("sky.sun.irradiance", |s| {
+            sky(s).sun.as_mut().unwrap().irradiance[0] = NAN
+        }),
+        ("sky.sun.radius", |s| {
+            sky(s).sun.as_mut().unwrap().radius = 0.0
+        }),
+        ("sky.stars.scale", |s| stars(s).scale = NAN),
+        ("sky.stars.radius", |s| stars(s).radius = NAN),
+        ("sky.stars.count", |s| random(s, u32::MAX, 6.5)),
+        ("sky.stars.faintest", |s| random(s, 10, NAN)),
+    ];
+    for (place, change) in rows {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        let said = Plan::new(&scene, &Request::default());
+        let said = said.expect_err(place).to_string();
+        assert!(
+            said.contains(&format!("changed, {place}: ")),
+            "{place}: {said}"
+        );
+    }
 }
 
 #[test]
@@ -389,6 +597,78 @@ fn what_only_files_have_is_refused_of_a_cube_in_memory() {
         let said = with(&format!("source.light.cube.{key}"), value);
         assert!(said.contains("in memory"), "{key}: {said}");
     }
+}
+
+#[test]
+fn samples_below_0_of_a_cube_in_memory_are_dealt_with_as_those_of_a_file() {
+    let samples = CubeSamples::F32(vec![2.0, -1.0, 1.0, 3.0]);
+    let cube = Arc::new(Cube::new([1, 1, 4, 1], samples).unwrap());
+    let with = |negative: Option<&str>| {
+        let builder = camera("cube").mesh("a", Arc::new(triangle()));
+        let builder = builder.cube("light", cube.clone(), 0.5);
+        match negative {
+            Some(negative) => builder.set("source.light.cube.negative", negative),
+            None => builder,
+        }
+    };
+    let warnings = |negative: Option<&str>| {
+        let scene = with(negative).build().unwrap();
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let silent = nullray::render::progress::Silent;
+        let prepared = nullray::render::prepare::Prepared::new(&scene, &plan, &silent).unwrap();
+        prepared.warnings.join("\n")
+    };
+    assert!(warnings(None).contains("1 of 4 samples is below 0"));
+    for stated in ["keep", "zero"] {
+        assert!(!warnings(Some(stated)).contains("below 0"), "{stated}");
+    }
+    let zero = with(Some("zero")).build().unwrap();
+    let SourceKind::Cube(source) = &zero.sources[0].kind else {
+        unreachable!()
+    };
+    let CubeData::Memory(zeroed) = &source.data else {
+        unreachable!()
+    };
+    assert_eq!(zeroed.samples, CubeSamples::F32(vec![2.0, 0.0, 1.0, 3.0]));
+    let (_, what) = refusal(with(Some("refuse")));
+    assert!(what.contains("1 of 4 samples is below 0"), "{what}");
+}
+
+#[test]
+fn a_cube_in_memory_may_have_bins_of_different_widths() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cube.npy");
+    files::npy(&path, &[2, 2, 3, 1], (0..12).map(f64::from));
+    let text = "[[object]]\nname = 'wall'\nshape = { box = { size = [2, 2, 1] } }\n[[source]]\n\
+                cube = { file = 'cube.npy', edges = ['-1 m', '0.5 m', '1 m', '6 m'] }";
+    let file = stage::scene_in(folder.path(), &format!("{CAMERA}{text}"));
+    let cube = Arc::new(cube::load(&path, Wanted::default()).unwrap());
+    let memory = camera("edges").shape("wall", shapes_box()).cube_with_edges(
+        "light",
+        cube,
+        &[-1.0, 0.5, 1.0, 6.0],
+    );
+    assert_same(&stage::film(&file), &stage::film(&memory.build().unwrap()));
+}
+
+#[test]
+fn values_are_made_of_numbers_texts_and_slices() {
+    let [name, sizes] = ["b".to_string(), "a".to_string()].map(|text| text);
+    let beta: &[f64] = &[0.1, 0.0, 0.0];
+    let scene = camera("values")
+        .shape(&name, shapes_box())
+        .set("object.b.name", &sizes)
+        .set("object.a.velocity.beta", beta)
+        .set("display.samples_per_pixel", 9_usize)
+        .build()
+        .unwrap();
+    assert_eq!(
+        (scene.objects[0].name.as_str(), scene.samples_per_pixel),
+        ("a", 9)
+    );
+    assert_eq!(scene.objects[0].velocity.beta().x, 0.1);
+    let (_, what) = refusal(camera("many").set("camera.size", [usize::MAX, 8]));
+    assert!(!what.is_empty());
 }
 
 #[test]
@@ -446,6 +726,11 @@ fn refusals_name_the_field() {
             good().set("object.a.node", "x"),
             "object[0].node",
             "exclude each other",
+        ),
+        (
+            good().set("object.a.colour", [1.0, 0.0, 0.0]),
+            "object[0].colour",
+            "`mesh`",
         ),
         (
             good().set("object.b.node", "x"),
@@ -516,7 +801,12 @@ fn one_type_of_error_takes_those_of_values() {
         Mesh::new(vec![DVec3::ZERO; 3], vec![[0, 1, corner]], [1.0; 3]).check()?;
         width.parse::<Time>()?;
         Cube::new([1, 1, 2, 1], CubeSamples::F32(vec![0.0; samples]))?;
+        aov::parse("event, object")?;
+        Channels::named(["R", "G", "B"])?;
         Ok(())
+    }
+    for error in [aov::parse("events").err(), Channels::named(["R"]).err()] {
+        assert!(matches!(error, Some(Error::Value(_))), "{error:?}");
     }
     all(0.5, 2, "1 m", 2).unwrap();
     for (error, said) in [

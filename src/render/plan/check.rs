@@ -1,18 +1,79 @@
 //! Numbers of a scene that no scene file can contain: a program that changes a [`Scene`] may set them.
 
+use glam::DVec3;
+
 use crate::error::{Error, Result, number};
 use crate::mesh::shapes::Shape;
 use crate::mesh::{Material, Mesh, MeshError};
 use crate::scene::limits::{self, Wrong};
-use crate::scene::model::{Geometry, LightKind, Object, Scene};
+use crate::scene::model::{
+    Beam, Binding, Brightness, Catalogue, EmissionProfile, Exposure, Geometry, Lamp, Light,
+    LightKind, Mapping, Motion, Object, Scene, Sky, SkyRadiance, Source, SourceKind,
+};
 
-/// Refuses sizes, counts, indices and materials with which nothing can be rendered.
+/// What a number, a vector or a choice may be.
+enum Must<'a> {
+    BeFinite(&'a [f64]),
+    NotBeNegative(&'a [f64]),
+    BePositive(&'a [f64]),
+    BeUnit(DVec3),
+    /// Right, up and forward.
+    BeAxes([DVec3; 3]),
+    /// A condition in words.
+    Hold(bool, &'static str),
+}
+
+use Must::{BeAxes, BeFinite, BePositive, BeUnit, Hold, NotBeNegative};
+
+/// How far products of vectors may be from those of unit vectors at right angles: a little more than those of poses in files.
+const ROUNDING: f64 = 2e-3;
+
+impl Must<'_> {
+    fn check(&self) -> Result<(), Wrong> {
+        // False for NaN.
+        let all = |numbers: &[f64], is_fine: fn(f64) -> bool, help: &str| match numbers
+            .iter()
+            .find(|x| !(x.is_finite() && is_fine(**x)))
+        {
+            Some(x) => Err((format!("it is {}", number(*x)), help.into())),
+            None => Ok(()),
+        };
+        let are_units = |a: DVec3, b: DVec3, product: f64| (a.dot(b) - product).abs() <= ROUNDING;
+        let hold = |holds, help: &str| match holds {
+            true => Ok(()),
+            false => Err(("it is out of range".into(), help.into())),
+        };
+        match *self {
+            BeFinite(numbers) => all(numbers, |_| true, "a finite number"),
+            NotBeNegative(numbers) => all(numbers, |x| x >= 0.0, "a finite number of at least 0"),
+            BePositive(numbers) => all(numbers, |x| x > 0.0, "a finite number above 0"),
+            BeUnit(v) => hold(are_units(v, v, 1.0), "a vector of length 1"),
+            BeAxes([a, b, c]) => hold(
+                [a, b, c].iter().all(|v| are_units(*v, *v, 1.0))
+                    && [(a, b), (b, c), (c, a)]
+                        .iter()
+                        .all(|(v, w)| are_units(*v, *w, 0.0)),
+                "three vectors of length 1 at right angles",
+            ),
+            Hold(holds, words) => hold(holds, words),
+        }
+    }
+}
+
+/// Refuses the first row that does not hold, at `of` with its name.
+fn check_rows(scene: &Scene, of: &str, rows: &[(&str, Must)]) -> Result<()> {
+    rows.iter().try_for_each(|(name, must)| {
+        must.check()
+            .map_err(|(what, help)| Error::invalid(&scene.name, format!("{of}{name}"), what, help))
+    })
+}
+
+/// Refuses sizes, counts, indices, numbers and materials with which nothing can be rendered.
 pub(super) fn check(scene: &Scene) -> Result<()> {
+    check_camera(scene)?;
     let refuse =
         |place: &str, (what, help): Wrong| Err(Error::invalid(&scene.name, place, what, help));
-    let camera = &scene.camera;
     let checks = [
-        ("camera.size", limits::image_size(camera.size)),
         (
             "samples_per_pixel",
             limits::samples_per_pixel(scene.samples_per_pixel),
@@ -20,34 +81,301 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         ("bounces", limits::bounces(scene.bounces)),
         ("spectra", limits::spectra(scene)),
         ("medium_index", limits::medium_index(scene.medium_index)),
-        ("camera.time", finite(camera.time)),
     ];
     for (place, check) in checks {
         if let Err(wrong) = check {
             return refuse(place, wrong);
         }
     }
+    let exposure = match &scene.exposure {
+        Exposure::Percentile(percent) => Hold(
+            *percent > 0.0 && *percent <= 100.0,
+            "a percentile above 0, and at most 100",
+        ),
+        Exposure::White(white) => BePositive(std::slice::from_ref(white)),
+        Exposure::Logarithmic([low, high]) => Hold(
+            *low > 0.0 && low < high && high.is_finite(),
+            "two ascending radiances above 0",
+        ),
+    };
+    let rows = [
+        ("speed_of_light", BePositive(&[scene.speed_of_light])),
+        ("background", BeFinite(&scene.background)),
+        (
+            "bits",
+            Hold(matches!(scene.bits, 8 | 16), "8 or 16 bits per sample"),
+        ),
+        ("false_colour", BePositive(scene.false_colour.as_slice())),
+        ("exposure", exposure),
+    ];
+    check_rows(scene, "", &rows)?;
+    scene
+        .objects
+        .iter()
+        .try_for_each(|one| object(scene, one))?;
+    scene
+        .sources
+        .iter()
+        .try_for_each(|one| source(scene, one))?;
+    scene.lights.iter().try_for_each(|one| light(scene, one))?;
+    scene.sky.iter().try_for_each(|one| sky(scene, one))
+}
+
+/// The same of the camera.
+pub(crate) fn check_camera(scene: &Scene) -> Result<()> {
+    let camera = &scene.camera;
     let (fov, projection) = (camera.horizontal_fov, camera.projection);
+    if let Err((what, help)) = limits::image_size(camera.size) {
+        return Err(Error::invalid(&scene.name, "camera.size", what, help));
+    }
     if !limits::is_field_of_view(fov, projection) {
         let what = format!("a field of view of {fov} rad");
         let help = format!("above 0, and at most {} degrees", projection.widest());
-        return refuse("camera.horizontal_fov", (what, help));
+        return Err(Error::invalid(
+            &scene.name,
+            "camera.horizontal_fov",
+            what,
+            help,
+        ));
     }
-    for light in &scene.lights {
-        let emission = match &light.kind {
-            LightKind::Lamp(lamp) => &lamp.emission,
-            LightKind::Area { emission, .. } => emission,
-        };
-        if let Err(wrong) = limits::emission(emission) {
-            return refuse(&format!("light \"{}\", emission", light.name), wrong);
+    let rows = [
+        ("time", BeFinite(&[camera.time])),
+        ("origin", BeFinite(&camera.origin.to_array())),
+        ("axes", BeAxes(camera.axes)),
+        (
+            "frame_interval",
+            BePositive(camera.frame_interval.as_slice()),
+        ),
+    ];
+    check_rows(scene, "camera.", &rows)?;
+    if let Some(turning) = &camera.turning {
+        let rows = [
+            ("axes", BeAxes(turning.axes)),
+            ("speed_of_light", BePositive(&[turning.speed_of_light])),
+        ];
+        check_rows(scene, "camera.turning.", &rows)?;
+    }
+    if let Some(rotation) = camera.rotation {
+        let rows = [
+            ("axis", BeUnit(rotation.axis)),
+            ("rate", BeFinite(&[rotation.rate])),
+        ];
+        check_rows(scene, "camera.rotation.", &rows)?;
+    }
+    let [sensor, pupils, shutter] = [
+        camera.sensor.map(|sensor| sensor.focal_length),
+        camera.stereo.map(|stereo| stereo.interpupillary_distance),
+        camera.shutter.map(|shutter| shutter.duration),
+    ];
+    let rows = [
+        ("sensor.focal_length", BePositive(sensor.as_slice())),
+        (
+            "stereo.interpupillary_distance",
+            NotBeNegative(pupils.as_slice()),
+        ),
+        ("shutter.duration", BePositive(shutter.as_slice())),
+    ];
+    check_rows(scene, "camera.", &rows)
+}
+
+/// The same of a source.
+fn source(scene: &Scene, source: &Source) -> Result<()> {
+    let of = format!("source \"{}\", ", source.name);
+    if let Binding::Only { objects, .. } = &source.binding {
+        let is_there = objects.iter().all(|object| *object < scene.objects.len());
+        let words = "indices of the objects of the scene";
+        check_rows(scene, &of, &[("objects", Hold(is_there, words))])?;
+    }
+    match &source.kind {
+        SourceKind::Pulse(pulse) => {
+            let rows = [
+                ("origin", BeFinite(&pulse.origin.to_array())),
+                ("sigma", BePositive(&[pulse.sigma])),
+                ("intensity", NotBeNegative(&pulse.intensity)),
+            ];
+            check_rows(scene, &of, &rows)
+        }
+        SourceKind::Cube(cube) => {
+            let Mapping::Capture(camera) = &cube.mapping else {
+                return Ok(());
+            };
+            let sees = limits::is_field_of_view(camera.fov, camera.projection);
+            let rows = [
+                ("capture.eye", BeFinite(&camera.eye.to_array())),
+                ("capture.axes", BeAxes(camera.axes)),
+                (
+                    "capture.fov",
+                    Hold(sees, "radians, within the range of its projection"),
+                ),
+                ("capture.near_clip", NotBeNegative(&[camera.near_clip])),
+            ];
+            check_rows(scene, &of, &rows)
         }
     }
-    scene.objects.iter().try_for_each(|one| object(scene, one))
+}
+
+/// The same of a light.
+fn light(scene: &Scene, light: &Light) -> Result<()> {
+    let of = format!("light \"{}\", ", light.name);
+    let emission = match &light.kind {
+        LightKind::Lamp(lamp) => {
+            self::lamp(scene, &of, lamp)?;
+            &lamp.emission
+        }
+        LightKind::Area {
+            object,
+            brightness,
+            emission,
+        } => {
+            let brightness = match brightness {
+                Brightness::Radiance(rgb) | Brightness::Power(rgb) => &rgb[..],
+                Brightness::Materials => &[],
+            };
+            let is_there = *object < scene.objects.len();
+            let rows = [
+                (
+                    "object",
+                    Hold(is_there, "the index of an object of the scene"),
+                ),
+                ("brightness", NotBeNegative(brightness)),
+            ];
+            check_rows(scene, &of, &rows)?;
+            emission
+        }
+    };
+    if let Err((what, help)) = limits::emission(emission) {
+        return Err(Error::invalid(&scene.name, of + "emission", what, help));
+    }
+    let refuse = |must: Must| check_rows(scene, &of, &[("emission", must)]);
+    match emission {
+        EmissionProfile::Steady => Ok(()),
+        EmissionProfile::Gaussian { centre, sigma } => {
+            refuse(BeFinite(&[*centre]))?;
+            refuse(BePositive(&[*sigma]))
+        }
+        EmissionProfile::Train {
+            centre,
+            sigma,
+            period,
+            ..
+        } => {
+            refuse(BeFinite(&[*centre]))?;
+            refuse(BePositive(&[*sigma, *period]))?;
+            refuse(Hold(period >= sigma, "a period of at least sigma"))
+        }
+        EmissionProfile::Table(knots) => {
+            refuse(BeFinite(knots.as_flattened()))?;
+            let is_lit = knots.iter().all(|[_, factor]| *factor >= 0.0);
+            let ascends = knots.len() > 1 && knots.is_sorted_by(|a, b| a[0] < b[0]);
+            let words = "two or more ascending times, with factors of at least 0";
+            refuse(Hold(is_lit && ascends, words))
+        }
+    }
+}
+
+fn lamp(scene: &Scene, of: &str, lamp: &Lamp) -> Result<()> {
+    let beam = match lamp.beam {
+        Beam::Point => Hold(true, ""),
+        Beam::Parallel(direction) => BeUnit(direction),
+        Beam::Spot { axis, .. } => BeUnit(axis),
+    };
+    let is_cone = match lamp.beam {
+        Beam::Point => true,
+        // Parallel light fills one frame.
+        Beam::Parallel(_) => lamp.motion == Motion::Inertial,
+        Beam::Spot { inner, outer, .. } => limits::is_cone(inner, outer),
+    };
+    let words = "a cone with 0 ≤ inner < outer ≤ π/2, and parallel light without acceleration";
+    let rows = [
+        ("origin", BeFinite(&lamp.origin.to_array())),
+        ("intensity", NotBeNegative(&lamp.intensity)),
+        ("beam", beam),
+        ("beam", Hold(is_cone, words)),
+    ];
+    check_rows(scene, of, &rows)?;
+    match lamp.world_line() {
+        Ok(_) => Ok(()),
+        Err(error) => {
+            let help = "give a motion slower than light";
+            let place = format!("{of}motion");
+            Err(Error::invalid(&scene.name, place, error.to_string(), help))
+        }
+    }
+}
+
+/// The same of the sky.
+fn sky(scene: &Scene, sky: &Sky) -> Result<()> {
+    let background = match &sky.background {
+        SkyRadiance::Uniform(rgb) | SkyRadiance::Image { scale: rgb, .. } => rgb.to_vec(),
+        SkyRadiance::Gradient {
+            zenith,
+            horizon,
+            ground,
+        } => [*zenith, *horizon, *ground].concat(),
+        SkyRadiance::Spectrum(_) => Vec::new(),
+    };
+    let rotation = match sky.background {
+        SkyRadiance::Image { rotation, .. } => rotation,
+        _ => 0.0,
+    };
+    let rows = [
+        ("background", NotBeNegative(&background)),
+        ("rotation", BeFinite(&[rotation])),
+    ];
+    check_rows(scene, "sky.", &rows)?;
+    let disc = |radius: f64, widest| {
+        let is_disc = limits::is_diameter(2.0 * radius, widest);
+        Hold(
+            is_disc,
+            "radians: half of a diameter above 1e-9, and below 90 degrees for the sun, 10 for stars",
+        )
+    };
+    if let Some(sun) = &sky.sun {
+        let rows = [
+            ("direction", BeUnit(sun.direction)),
+            ("irradiance", NotBeNegative(&sun.irradiance)),
+            ("radius", disc(sun.radius, limits::WIDEST_SUN)),
+        ];
+        check_rows(scene, "sky.sun.", &rows)?;
+    }
+    let Some(stars) = &sky.stars else {
+        return Ok(());
+    };
+    let (count, faintest) = match stars.catalogue {
+        Catalogue::File(_) => (0, 0.0),
+        Catalogue::Random {
+            count, faintest, ..
+        } => (count, faintest),
+    };
+    let rows = [
+        ("scale", BePositive(&[stars.scale])),
+        ("radius", disc(stars.radius, limits::WIDEST_STAR)),
+        (
+            "count",
+            Hold(count <= limits::MOST_STARS, "at most 1000000 stars"),
+        ),
+        (
+            "faintest",
+            Hold(faintest.abs() <= 30.0, "a magnitude from -30 to 30"),
+        ),
+    ];
+    check_rows(scene, "sky.stars.", &rows)
 }
 
 /// The same of an object.
 fn object(scene: &Scene, object: &Object) -> Result<()> {
     let name = &object.name;
+    let rows = [
+        (
+            "transform",
+            Hold(
+                limits::is_invertible(object.transform),
+                "a transform that can be inverted",
+            ),
+        ),
+        ("origin", BeFinite(&object.origin.to_array())),
+    ];
+    check_rows(scene, &format!("object \"{name}\", "), &rows)?;
     let refuse =
         |place: String, (what, help): Wrong| Err(Error::invalid(&scene.name, place, what, help));
     match &object.geometry {
@@ -124,11 +452,4 @@ fn shape(shape: &Shape) -> Result<(), (&'static str, Wrong)> {
 /// Whether a shape may have this length; false for NaN.
 fn is_length(length: f64) -> bool {
     length > 0.0 && length.is_finite()
-}
-
-fn finite(value: f64) -> Result<(), Wrong> {
-    match value.is_finite() {
-        true => Ok(()),
-        false => Err((format!("{value} is not finite"), "give a number".into())),
-    }
 }

@@ -5,6 +5,7 @@
 
 mod bindings;
 mod check;
+mod fixed;
 mod frames;
 mod inside;
 mod medium;
@@ -29,6 +30,8 @@ use crate::scene::model::{
 };
 
 pub use bindings::{Lit, lit_by, shown_by};
+pub(crate) use check::check_camera;
+pub(crate) use fixed::{Fixed, PLANNED, PREPARED, check_size};
 pub(crate) use memory::BUILT_TOGETHER;
 pub use notes::unread;
 pub(crate) use notes::{is_moot, unfound_light, unshown};
@@ -80,6 +83,7 @@ impl Plan {
             memory_limit: request.memory_limit,
             samples_spectra: scene.spectra == Spectra::Sampled,
             counts_only: false,
+            fixed: Fixed::of(scene),
             skipped: Vec::new(),
             notes: Vec::new(),
         };

@@ -6,7 +6,6 @@ mod emitters;
 mod files;
 mod geometry;
 mod response;
-mod retake;
 mod sky;
 mod smooth;
 mod stores;
@@ -24,14 +23,15 @@ use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::render::film::Layout;
-use crate::render::plan::{Plan, unfound_light, unshown};
+use crate::render::plan::{
+    Fixed, PLANNED, PREPARED, Plan, check_camera, check_size, unfound_light, unshown,
+};
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
     Background, CustomRadiance, HitBuffer, Meter, Radiance, Rays, RestFrame, Surfaces, TracedRays,
 };
 use crate::scene::model::Scene;
-use retake::Fixed;
 
 /// A scene with everything loaded and built that its plan lists.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ pub struct Prepared {
     pub built_in: f64,
     /// What the plan leaves of the memory limit, bytes: for work whose size no plan can estimate.
     pub memory_left: u64,
-    /// What scenes of further pictures have to have in common with the prepared one.
+    /// What the scenes of all pictures have in common.
     fixed: Fixed,
 }
 
@@ -80,7 +80,8 @@ impl Prepared {
     /// Carries out `plan`, which must be that of `scene`, on the threads of rayon's current pool.
     ///
     /// # Errors
-    /// A plan for a scene with other objects, broken files, and [`Error::Cancelled`] when `progress` says so.
+    /// A plan of another scene, as far as that is quick to compare (as for [`Prepared::retake`], whatever the camera), broken files, and
+    /// [`Error::Cancelled`] when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         Prepared::sharing(scene, plan, &mut LoadedCubes::default(), progress)
     }
@@ -95,18 +96,14 @@ impl Prepared {
         cubes: &mut LoadedCubes,
         progress: &dyn Progress,
     ) -> Result<Prepared> {
-        if plan.objects.len() != scene.objects.len() {
-            let what = format!(
-                "the plan is for {} objects, but the scene has {}",
-                plan.objects.len(),
-                scene.objects.len()
-            );
-            return Err(Error::invalid(
-                &scene.name,
-                "plan",
-                what,
-                "a plan of this scene",
-            ));
+        plan.fixed.check(scene, PLANNED)?;
+        check_size(scene, plan.film.size)?;
+        let count = scene.objects.len();
+        let of_scene =
+            |objects: &[usize]| !objects.is_empty() && objects.iter().all(|o| *o < count);
+        if plan.objects.len() != count || !plan.frames.iter().all(|f| of_scene(&f.objects)) {
+            let what = "its frames do not list the objects of the scene";
+            return Err(Error::invalid(&scene.name, "plan", what, PLANNED[1]));
         }
         cubes.keep_those_of(scene);
         let camera = Camera::new(scene)?;
@@ -151,7 +148,7 @@ impl Prepared {
             unfound_light: unfound,
             built_in,
             memory_left: plan.memory_left(),
-            fixed: Fixed::of(scene),
+            fixed: plan.fixed.clone(),
         })
     }
 
@@ -204,8 +201,9 @@ impl Prepared {
     /// # Errors
     /// As [`Prepared::retake`], and a plan of pictures of another size than the scene's.
     pub fn retake_on_film(&mut self, scene: &Scene, plan: &Plan) -> Result<()> {
-        self.fixed.check(scene)?;
-        retake::check_size(scene, plan.film.size)?;
+        self.fixed.check(scene, PREPARED)?;
+        check_size(scene, plan.film.size)?;
+        check_camera(scene)?;
         let has_gaps = self.layout.has_gaps || plan.film.has_gaps;
         self.layout = Layout {
             has_gaps,
@@ -217,18 +215,28 @@ impl Prepared {
     }
 
     /// Sets the camera of the next picture to that of `scene`, which may differ from the prepared scene only in the camera's place,
-    /// direction, field of view, motion and time: everything else stays as it is loaded and built. What is quick to compare is checked;
-    /// files, materials and lights are not.
+    /// direction, field of view, motion and time, and in the seed: everything else stays as it is loaded and built. What is quick to
+    /// compare is checked; files, materials, and what lights, sources and the sky are beyond their names, is not.
     ///
     /// Cameras of one `Prepared` render one after the other: `retake` needs it for itself, and rendering uses all threads anyway.
     ///
     /// # Errors
-    /// A picture of another size, objects that differ in number, name, place or motion, other effects or another medium; and as
-    /// [`Camera::new`].
+    /// A picture of another size or with another number of samples; objects that differ in number, name, place or motion; other sources or
+    /// lights; other equations, effects, medium, background, quantity, spectra, bounces or back faces; a camera that [`Plan::new`] refuses;
+    /// and as [`Camera::new`].
     pub fn retake(&mut self, scene: &Scene) -> Result<()> {
-        self.fixed.check(scene)?;
-        retake::check_size(scene, self.layout.size)?;
-        self.set_camera(scene)
+        self.fixed.check(scene, PREPARED)?;
+        check_size(scene, self.layout.size)?;
+        let (had, has) = (self.layout.samples, scene.samples_per_pixel);
+        if had != has && !self.layout.pixel_centers {
+            let what = format!("the picture has {has} samples per pixel, but the film {had}");
+            let help = "Prepared::retake_on_film with a plan of this scene";
+            return Err(Error::invalid(&scene.name, "samples_per_pixel", what, help));
+        }
+        check_camera(scene)?;
+        self.set_camera(scene)?;
+        self.sampler = self.sampler.with_seed(scene.seed);
+        Ok(())
     }
 
     /// Sets the camera to that of `scene`, which is known to differ in nothing else.

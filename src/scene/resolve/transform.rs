@@ -6,8 +6,8 @@ use super::context::Context;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::{Rotation, Transform};
+use crate::scene::limits;
 use crate::scene::values::{NumberOrVector, Numbers};
-use crate::spacetime::{Direction, World};
 
 pub(super) fn resolve(cx: &Context, transform: &Option<At<Transform>>) -> Result<DAffine3> {
     let Some(at) = transform else {
@@ -23,7 +23,7 @@ pub(super) fn resolve(cx: &Context, transform: &Option<At<Transform>>) -> Result
         .as_ref()
         .map_or(&at.span, |matrix| &matrix.span);
     let span = at.value.scale.as_ref().map_or(span, |scale| &scale.span);
-    if invertible(transform) {
+    if limits::is_invertible(transform) {
         return Ok(transform);
     }
     let what = "this transform is singular: it flattens the object";
@@ -76,21 +76,4 @@ fn from_matrix(cx: &Context, parts: &Transform, matrix: &At<Numbers<16>>) -> Res
         matrix3: rows.transpose(),
         translation: DVec3::new(x, y, z),
     })
-}
-
-/// Whether the transform has an inverse that f64 can hold: columns of unit length must span a volume.
-fn invertible(transform: DAffine3) -> bool {
-    let columns = [
-        transform.matrix3.x_axis,
-        transform.matrix3.y_axis,
-        transform.matrix3.z_axis,
-    ];
-    let units = columns.map(|column| Direction::<World>::new(column).map(Direction::unit));
-    let [Some(x), Some(y), Some(z)] = units else {
-        return false;
-    };
-    // The volume of unit columns: below this bound it is dominated by rounding.
-    let spans = x.cross(y).dot(z).abs() > 1e-12;
-    let sized = |column: DVec3| (1e-30..=1e30).contains(&column.abs().max_element());
-    spans && columns.into_iter().all(sized)
 }

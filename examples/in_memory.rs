@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::DVec3;
+use nullray::glam::DVec3;
 use nullray::io::cube::{Cube, CubeSamples};
 use nullray::io::image::png;
 use nullray::mesh::Mesh;

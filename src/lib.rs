@@ -14,7 +14,7 @@
 //!
 //! # Modules, from bottom to top
 //!
-//! Each may use those above it in this table, and none below.
+//! Each may use those above it in this table, and none below; but for the caption of a scene, which [`figures`] sets.
 //!
 //! | module | contents |
 //! |---|---|
@@ -72,8 +72,8 @@
 //! benchmark. As a library it needs none of them: `default-features = false`. Work is spread over the threads of the rayon pool in which
 //! a function is called. In debug builds, optimize the dependencies (`[profile.dev.package."*"]` with `opt-level = 3`): otherwise even
 //! small pictures with light take many seconds.
-//! The library never prints, never exits and never reads the environment. Same input, same output, bit
-//! for bit, on any number of threads.
+//! The library never prints and never exits, and of the environment it reads only where temporary files go (`TMPDIR`). Same input, same
+//! output, bit for bit, on any number of threads.
 
 pub mod accel;
 pub mod approximate;

@@ -35,6 +35,7 @@ pub enum ViewKind {
 /// The view that a camera needs, of whichever kind.
 #[derive(Debug)]
 #[allow(missing_docs)]
+#[non_exhaustive]
 pub enum AnyView {
     Still(Still),
     Moving(Moving),

@@ -2,9 +2,10 @@
 //!
 //! For each object a few vertices, spread over its list: the vertex p in the object's frame, the emission event E in the world, the film
 //! point, and W, by the formulas of the bundle's page. Each object also has the tolerance for a program that follows the same formulas in
-//! single precision with all of the bundle's numbers rounded to it: four times the largest error of such a run over the object's vertices
-//! (another order of operations may double it, with a factor of two to spare), and at least four steps of single precision of the largest
-//! number. Vertices behind the camera have no film point.
+//! single precision with all of the bundle's numbers rounded to it: four times the largest error of such runs over the object's vertices,
+//! which add up products in three orders (others may double it, with a factor of two to spare), and at least four steps of single precision
+//! of the largest number. κ is (−1, d) with d of length 1: κ = k/|k_ct|, which is the same in real numbers, has the rounding error of k_ct,
+//! too, and is several times less accurate for fast objects. Vertices behind the camera have no film point.
 
 use serde::Serialize;
 
@@ -24,6 +25,8 @@ const MOST: usize = 32;
 const STEP: f64 = f32::EPSILON as f64;
 /// The ratio of the tolerance to the error of a run in single precision; see the [module](self).
 const MARGIN: f64 = 4.0;
+/// The orders in which products are added up: components of (ct, x, y, z).
+const ORDERS: [[usize; 4]; 3] = [[0, 1, 2, 3], [3, 2, 1, 0], [1, 2, 3, 0]];
 
 /// Test vectors of a scene.
 #[derive(Debug, Clone, Serialize)]
@@ -127,12 +130,15 @@ fn tolerances(
     index: f64,
     (camera, object): (&CameraEntry, &ObjectEntry),
 ) -> Tolerances {
-    let single = Single::new(camera, object, index);
+    let runs = ORDERS.map(|order| Single::new(camera, object, index, order));
     let mut most = Tolerances::default();
     let mut size = Tolerances::default();
     let raise = |value: &mut f64, to: f64| *value = value.max(to);
-    for vector in vectors {
-        let (event, film, ratio) = single.seen(vector.position);
+    let all = vectors
+        .iter()
+        .flat_map(|vector| runs.each_ref().map(|run| (vector, run)));
+    for (vector, run) in all {
+        let (event, film, ratio) = run.seen(vector.position);
         for (a, b) in vector.event.iter().zip(event) {
             raise(&mut most.event, (a - f64::from(b)).abs());
             raise(&mut size.event, a.abs());
@@ -169,10 +175,11 @@ struct Single {
     tangents: [f32; 2],
     size: [f32; 2],
     index: f32,
+    order: [usize; 4],
 }
 
 impl Single {
-    fn new(camera: &CameraEntry, object: &ObjectEntry, index: f64) -> Single {
+    fn new(camera: &CameraEntry, object: &ObjectEntry, index: f64, order: [usize; 4]) -> Single {
         let matrix = |m: &Matrix| m.map(|row| row.map(|x| x as f32));
         let offset = [0, 1, 2, 3].map(|i| (camera.shot_event[i] - object.origin[i]) as f32);
         let axes = [camera.right, camera.up, camera.forward];
@@ -188,6 +195,7 @@ impl Single {
             tangents: camera.tan_half_fov.unwrap_or([1.0; 2]).map(|x| x as f32),
             size: camera.size.map(|n| n as f32),
             index: index as f32,
+            order,
         }
     }
 
@@ -199,19 +207,18 @@ impl Single {
             true => {
                 // In vacuum: the null vector (−|r|, r) of the rest frame, taken to the world.
                 let r: [f32; 3] = std::array::from_fn(|i| p[i] - self.place[i]);
-                let length = (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]).sqrt();
-                product(&self.object, [-length, r[0], r[1], r[2]])
+                let r = [0.0, r[0], r[1], r[2]];
+                self.product(&self.object, [-self.dot(r, r).sqrt(), r[1], r[2], r[3]])
             }
             false => self.in_medium(p, u),
         };
         let event = std::array::from_fn(|i| self.shot[i] + k[i]);
-        let length = (k[1] * k[1] + k[2] * k[2] + k[3] * k[3]).sqrt();
+        let way = [0.0, k[1], k[2], k[3]];
+        let length = self.dot(way, way).sqrt();
         let kappa = [-1.0, k[1] / length, k[2] / length, k[3] / length];
         // Into the camera's frame, and along its axes.
-        let seen = product(&inverse(&self.camera), kappa);
-        let along = self
-            .axes
-            .map(|a| a[0] * seen[1] + a[1] * seen[2] + a[2] * seen[3]);
+        let seen = self.product(&inverse(&self.camera), kappa);
+        let along = self.axes.map(|a| self.dot([0.0, a[0], a[1], a[2]], seen));
         let film = (along[2] > 0.0).then(|| {
             [
                 0.5 * self.size[0] * (1.0 + along[0] / along[2] / self.tangents[0]),
@@ -219,14 +226,22 @@ impl Single {
             ]
         });
         // W is the quotient of κ·u for the object and for the camera.
-        let dot =
-            |v: [f32; 4]| kappa[1] * v[1] + kappa[2] * v[2] + kappa[3] * v[3] - kappa[0] * v[0];
+        let dot = |v: [f32; 4]| self.dot(kappa, [-v[0], v[1], v[2], v[3]]);
         (event, film, dot(u) / dot(self.camera.map(|row| row[0])))
+    }
+
+    /// Σ a_i b_i.
+    fn dot(&self, a: [f32; 4], b: [f32; 4]) -> f32 {
+        self.order.iter().map(|i| a[*i] * b[*i]).sum()
+    }
+
+    fn product(&self, m: &[[f32; 4]; 4], v: [f32; 4]) -> [f32; 4] {
+        m.map(|row| self.dot(row, v))
     }
 
     /// The displacement from the shot at which the vertex is seen in a medium: on its world line b + τ u.
     fn in_medium(&self, p: [f32; 3], u: [f32; 4]) -> [f32; 4] {
-        let at_zero = product(&self.object, [0.0, p[0], p[1], p[2]]);
+        let at_zero = self.product(&self.object, [0.0, p[0], p[1], p[2]]);
         let b: [f32; 4] = std::array::from_fn(|i| at_zero[i] - self.offset[i]);
         // η² |X|² = ct² of (ct, X) = b + τ u: the earlier solution.
         let n = self.index * self.index;
@@ -245,10 +260,6 @@ impl Single {
 /// Row `i` of M⁻¹ = G Mᵀ G, times `v`.
 fn inverse_row(m: &Matrix, i: usize, v: FourVector) -> f64 {
     m[1][i] * v[1] + m[2][i] * v[2] + m[3][i] * v[3] - m[0][i] * v[0]
-}
-
-fn product(m: &[[f32; 4]; 4], v: [f32; 4]) -> [f32; 4] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2] + row[3] * v[3])
 }
 
 /// M⁻¹ = G Mᵀ G, G = diag(−1, 1, 1, 1).

@@ -4,6 +4,7 @@ mod apparent;
 mod contents;
 mod lamps;
 mod reader;
+mod single;
 mod snippets;
 mod targets;
 

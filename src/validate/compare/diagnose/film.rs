@@ -161,6 +161,10 @@ fn of_displacements(
 const BY_PLACES: f64 = 0.05;
 pub(super) const BY_LIGHT: f64 = 0.2;
 
+/// What is said beside a film that light alone shows.
+pub(super) const OR_CAMERA: &str =
+    ", measured by light alone: the camera may also be elsewhere, or turned";
+
 /// The diagnosis of a film whose shift is known to `precision` pixels.
 pub(super) fn describe(
     case: &Case,
@@ -184,10 +188,7 @@ pub(super) fn describe(
             true if precision <= BY_PLACES => ["by half a pixel, ", ""],
             true => ["by ", ", measured by light alone: that may be half a pixel"],
             false if precision <= BY_PLACES => ["by ", ""],
-            false => [
-                "by ",
-                ", measured by light alone: the camera may also be elsewhere, or turned",
-            ],
+            false => ["by ", OR_CAMERA],
         };
         return Diagnosis {
             kind: Kind::FilmShifted,
@@ -198,6 +199,7 @@ pub(super) fn describe(
             evidence,
         };
     }
+    let or = if precision > BY_PLACES { OR_CAMERA } else { "" };
     let alike = (k.x - k.y).abs() <= NEAR * (k - 1.0).abs().max_element();
     evidence.extend([
         ("tan(fov/2) across over the reference's", k.x),
@@ -219,7 +221,7 @@ pub(super) fn describe(
         return Diagnosis {
             kind: Kind::Aspect,
             what: format!(
-                "the aspect ratio differs: tan(fov/2) is {:.4} times the reference's across and {:.4} times down",
+                "the aspect ratio differs: tan(fov/2) is {:.4} times the reference's across and {:.4} times down{or}",
                 k.x, k.y
             ).into(),
             evidence,
@@ -244,7 +246,7 @@ pub(super) fn describe(
     Diagnosis {
         kind: Kind::FieldOfView,
         what: format!(
-            "the field of view differs: tan(fov/2) is {:.4} times the reference's, the focal length {:.4} times{}{why}",
+            "the field of view differs: tan(fov/2) is {:.4} times the reference's, the focal length {:.4} times{}{why}{or}",
             0.5 * (k.x + k.y),
             2.0 / (k.x + k.y),
             fov.unwrap_or_default()

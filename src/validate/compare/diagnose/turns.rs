@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::super::picture::{Plane, RADIANCE};
 use super::super::points::{Points, place};
-use super::film::{BOTH, LEFT_RIGHT, UP_DOWN};
+use super::film::{BOTH, LEFT_RIGHT, OR_CAMERA, UP_DOWN};
 use super::registration::Blurred;
 use super::{ASKED, Case, Diagnosis, Kind, NEAR, light, median, spread};
 use crate::scene::model::ProjectionKind;
@@ -86,6 +86,9 @@ impl Turn {
         if (after.factor - 1.0).abs() > SAME {
             what += &light::beside(after.factor);
         }
+        if after.by_light_alone && after.part > EXACT && matches!(self, Turn::Moved(_)) {
+            what += OR_CAMERA;
+        }
         let evidence = vec![
             ("part of the pixels that differ", before.part),
             ("the same after undoing it", after.part),
@@ -105,10 +108,14 @@ struct Unlike {
     part: f64,
     /// The factor of the candidate's light on the reference's.
     factor: f64,
+    /// Whether neither objects nor positions were compared.
+    by_light_alone: bool,
 }
 
 /// Pictures that differ at a smaller fraction of pixels are alike.
 const ALIKE: f64 = 0.02;
+/// The fraction of pixels that may differ after a shift by whole pixels, which leaves none: a camera that is turned a little leaves some.
+const EXACT: f64 = 1e-3;
 /// Relative tolerance for equal values.
 const SAME: f64 = 0.01;
 /// The largest shift to try, pixels.
@@ -161,7 +168,11 @@ pub(super) fn turned_by_light(case: &Case) -> Option<(Diagnosis, f64)> {
     let turns = mirrors_and_quarters(case).map(|turn| (turn, error(turn) / before));
     let (turn, left) = turns.min_by(|a, b| a.1.total_cmp(&b.1))?;
     (before > 0.0 && left <= LEFT_BY_TURN).then(|| {
-        let same = |part| Unlike { part, factor: 1.0 };
+        let same = |part| Unlike {
+            part,
+            factor: 1.0,
+            by_light_alone: true,
+        };
         let mut found = turn.describe(same(1.0), same(left));
         found.evidence = vec![("what it leaves of the squared error of light", left)];
         (found, left)
@@ -213,7 +224,9 @@ fn differing(case: &Case, pixels: &[usize], turn: Turn) -> Unlike {
         count as f64 / pixels.len().max(1) as f64
     };
     let mut worst: f64 = 0.0;
+    let mut by_light_alone = true;
     if r.object.is_some() && c.object.is_some() {
+        by_light_alone = false;
         let names = renamed(&pixels, &case.points);
         let name = |i: usize| r.object_at(i).map(|id| names.get(&(id as i64)).copied());
         let shown = |j: usize| c.object_at(j).map(|id| Some(id as i64));
@@ -221,6 +234,7 @@ fn differing(case: &Case, pixels: &[usize], turn: Turn) -> Unlike {
     }
     for planes in [[r.material, c.material], [r.world, c.world]] {
         if let [Some(r), Some(c)] = planes {
+            by_light_alone = false;
             let ratios = pixels.par_iter();
             let ratios = ratios.map(|[i, j]| place(&c, *j).length() / place(&r, *i).length());
             let unit = common_factor(ratios);
@@ -238,6 +252,7 @@ fn differing(case: &Case, pixels: &[usize], turn: Turn) -> Unlike {
     Unlike {
         part: worst,
         factor,
+        by_light_alone,
     }
 }
 

@@ -123,6 +123,7 @@ pub(super) fn matched<'a>(
     let chosen = pair.map(|picture| chosen(picture, &options.channels));
     let chosen = alpha(pair, chosen, &mut notes)?;
     let (chosen, uncompared) = common(pair, chosen)?;
+    notes.extend(depth(&uncompared));
     let names: Vec<String> = chosen[0]
         .iter()
         .filter(|channel| !is_identity(channel))
@@ -308,6 +309,15 @@ fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<Message> {
         let place = format!("{id} marks no hit in {}: ", c.name);
         Message::from(place) + Setting::NoHit + format!(" {id} says so")
     })
+}
+
+/// A note on a channel `Z`, which may be a distance or a depth, where the reference has distances.
+fn depth(uncompared: &Uncompared) -> Option<Message> {
+    let has = |names: &[String], name: &str| names.iter().any(|n| n == name);
+    let is_unread = has(&uncompared.only_reference, Aov::Distance.name())
+        && has(&uncompared.only_candidate, "Z");
+    let note = "the candidate's channel Z is not compared: in other programs it may be the depth along the axis; name it distance if it is the world's distance from the pinhole";
+    is_unread.then(|| note.into())
 }
 
 /// Refuses contradictory metadata; returns notes on metadata of two different shots.

@@ -5,14 +5,12 @@ use rayon::prelude::*;
 
 use super::known::KnownScene;
 use super::picture::Plane;
-use super::points::{Points, place};
+use super::points::{Points, around, place};
 
 /// The geometric error of every pixel, NaN if it has none; from the search `otherwise` where `field` has none.
 pub(super) fn map(field: &Field, otherwise: Option<&Search>) -> Vec<f32> {
     let error = |i: usize| {
-        let displacement = field.displacement(i);
-        let length = displacement.map(DVec2::length);
-        let length = length.or_else(|| otherwise?.distance(i));
+        let length = field.error(i).or_else(|| otherwise?.distance(i));
         length.map_or(f32::NAN, |length| length as f32)
     };
     let pixels = (0..field.width() * field.height()).into_par_iter();
@@ -85,7 +83,51 @@ impl<'a> Field<'a> {
             Field::Search(search) => search.displacement(index),
         }
     }
+
+    /// The length of the displacement; for a point of a known scene that is seen where it belongs, or near, but is off the surface there,
+    /// its distance from the reference's point in steps of the surface.
+    pub fn error(&self, index: usize) -> Option<f64> {
+        let seen = self.displacement(index)?.length();
+        Some(self.off_surface(index, seen).unwrap_or(seen))
+    }
+
+    /// Whether both pictures show the same point of the surface, for all that samples elsewhere in the pixel tell.
+    pub fn is_at_place(&self, index: usize) -> bool {
+        let seen = self.displacement(index).map(DVec2::length);
+        seen.is_some_and(|seen| seen <= SAME_PLACE && self.off_surface(index, seen).is_none())
+    }
+
+    /// Whether a point is seen where it belongs, but is elsewhere along the ray.
+    pub fn is_elsewhere_along_ray(&self, index: usize) -> bool {
+        let seen = self.displacement(index).map(DVec2::length);
+        seen.is_some_and(|seen| self.off_surface(index, seen).is_some())
+    }
+
+    /// The distance of both points at a pixel of a known scene, in the reference's largest step to a pixel around it, if that is more than
+    /// their displacement `seen` explains.
+    fn off_surface(&self, index: usize, seen: f64) -> Option<f64> {
+        let Field::Known(known, [r, c]) = self else {
+            return None;
+        };
+        (seen <= SAME_PLACE).then_some(())?;
+        let (object, right) = known.point(r, index)?;
+        let (_, is) = known.point(c, index)?;
+        let off = (is - right).length();
+        let beside = around(r.size(), index).filter_map(|j| known.point(r, j));
+        let steps = beside
+            .filter(|(k, _)| *k == object)
+            .map(|(_, p)| (p - right).length());
+        let step = steps.fold(0.0, f64::max);
+        (step > 0.0 && off > (OFF_SURFACE + FOOTPRINT * seen) * step).then(|| off / step)
+    }
 }
+
+/// An upper bound on the displacement, in pixels, by samples elsewhere in the pixel.
+const SAME_PLACE: f64 = 1.5;
+
+/// The distance of a surface's points per pixel of their displacement, at most, in its largest step to a pixel around: on a sphere a step
+/// towards the silhouette is at most 2.4 times the last one, and pixels of other objects have no steps.
+const FOOTPRINT: f64 = 4.0;
 
 /// Where the candidate's surface points are seen and where they belong, from the reference alone.
 #[derive(Debug)]
@@ -118,7 +160,7 @@ const SMOOTH: f64 = 0.5;
 /// A surface is connected from a pixel to the next if the step is at most this many times the longer of the two adjacent steps: on a
 /// sphere, where steps grow fastest towards the silhouette, it is at most 1/(√2 − 1) = 2.4 times.
 const CONNECTED: f64 = 3.0;
-/// The largest residual, in pixels, between a point and where it is found: points with more are off the surface.
+/// The largest residual, in pixels, between a point and where it is found, or seen: points with more are off the surface.
 const OFF_SURFACE: f64 = 0.5;
 /// The largest last step, in pixels along an axis, that may lead beyond the last pixel of a surface.
 const BEYOND: f64 = 1.5;

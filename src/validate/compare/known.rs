@@ -390,6 +390,11 @@ impl KnownScene {
         self.objects.iter().map(InertialFrame::velocity)
     }
 
+    /// The place of the shot in the rest frame of an object: q, of the head of this module.
+    pub(super) fn shot_in(&self, k: usize) -> Option<DVec3> {
+        Some(self.views.get(k)?.as_ref()?.shot)
+    }
+
     /// The rest frame of an object.
     pub(super) fn frame(&self, k: usize) -> Option<&InertialFrame<Rest>> {
         self.objects.get(k)

@@ -105,6 +105,15 @@ impl<'a> Points<'a> {
     }
 }
 
+/// A pixel with those beside and diagonally beside it.
+pub(super) fn around([width, height]: [usize; 2], i: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (i % width, i / width);
+    let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+    rows.flat_map(move |y| {
+        (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |x| y * width + x)
+    })
+}
+
 /// The three coordinates at a pixel.
 pub(super) fn place(planes: &[Plane; 3], index: usize) -> DVec3 {
     let [x, y, z] = planes.map(|plane| plane.at(index));

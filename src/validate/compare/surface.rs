@@ -25,6 +25,10 @@
 //! δ = π(Y) − π(X).
 //! ```
 //!
+//! π says nothing of points on one ray: with back faces shown for front faces δ is 0. So a Y with |δ| of 1.5
+//! pixels or less, as samples elsewhere in a pixel may cause, is off the surface if |Y − X| is more than ½ + 4 |δ| of the largest steps of X
+//! to a pixel around it (of the same object), and counts with that number of steps.
+//!
 //! The points of a moving object are also those of its events of the world, Y = Λ(β)(E − O), if the candidate has no others; but each such
 //! event is seen where it is, whatever Y is. So Y is searched on the surface that the reference shows, as if the scene was unknown;
 //! a Y that is off the surface counts with its distance from X, over the largest step to a pixel around it.

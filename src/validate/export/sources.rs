@@ -32,7 +32,7 @@ pub(super) fn write(
             SourceKind::Pulse(pulse) => describe::pulse(pulse),
             SourceKind::Cube(cube) => {
                 let place = match &cube.data {
-                    CubeData::File(file) if is_raw(file) => {
+                    CubeData::File(file) if is_raw(cube, file) => {
                         stored.place(&file.path, cubes, files)?
                     }
                     CubeData::File(file) => {
@@ -58,7 +58,7 @@ pub(super) fn write(
 /// The bundle's description of a cube. A time axis has one width, or edges if widths differ.
 fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntry {
     let raw = match &cube.data {
-        CubeData::File(file) if is_raw(file) => Some(file),
+        CubeData::File(file) if is_raw(cube, file) => Some(file),
         CubeData::File(_) | CubeData::Memory(_) => None,
     };
     CubeEntry {

@@ -19,3 +19,4 @@ mod program;
 mod refusals;
 mod surfaces;
 mod usual_bugs;
+mod wrong_places;

@@ -164,18 +164,13 @@ fn pixels_of<'a>(case: &'a Case, name: &str) -> &'a [usize] {
     }
 }
 
-/// Pixels known to show the same position in both pictures, because normals differ elsewhere. All pixels if nothing is known.
+/// Pixels known to show the same position in both pictures, on the film and along the ray, because normals differ elsewhere. All pixels if
+/// nothing is known.
 pub(super) fn same_places(case: &Case) -> Vec<usize> {
     let pixels = case.pixels().par_iter().copied();
-    let is_same = |i: &usize| {
-        let displaced = case.field.map(|field| field.displacement(*i));
-        displaced.is_none_or(|d| d.is_some_and(|d| d.length() <= SAME_PLACE))
-    };
+    let is_same = |i: &usize| case.field.is_none_or(|field| field.is_at_place(*i));
     pixels.filter(is_same).collect()
 }
-
-/// An upper bound on the displacement, in pixels, by samples elsewhere in the pixel.
-const SAME_PLACE: f64 = 1.5;
 
 /// The six orders of x, y and z.
 const ORDERS: [[usize; 3]; 6] = [

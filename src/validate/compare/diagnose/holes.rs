@@ -6,7 +6,7 @@
 //! samples elsewhere show other objects there.
 
 use super::super::picture::{Plane, RADIANCE};
-use super::unlike::around;
+use super::super::points::around;
 use super::{Case, Diagnosis, FEWEST, Kind, NEAR, depth};
 use crate::render::aov::Aov;
 

@@ -1,7 +1,7 @@
 //! Mistakes of the light: exchanged colours, gamma, exposure, the exponent of W.
 //!
 //! Pixels that the candidate clips at 1 are ignored, and so is a picture that is practically black. Of the hypotheses that explain the
-//! error the first is reported: exchanged colours and gamma have no free parameter; if a factor is added they must leave next to nothing;
+//! error the first is reported: exchanged colours, other primaries and gamma have no free parameter; if a factor is added they must leave next to nothing;
 //! an exponent explains variations of the light's logarithm, an exposure their absence. Practically black light counts as one percent of
 //! its median, and errors at edges only are not mistakes of the light. The exponent is the slope k of
 //!
@@ -14,6 +14,7 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::super::picture::{Encoding, Plane, RADIANCE};
@@ -34,7 +35,14 @@ type Hypothesis = fn(&Case, &LitPixels) -> Option<(Diagnosis, f64)>;
 pub(super) fn light(case: &Case) -> Option<(Diagnosis, f64)> {
     let lit = LitPixels::of(lit(case)?);
     let first: [Hypothesis; 3] = [black, codes, clipped];
-    let named: [Hypothesis; 5] = [colours, gamma, encoded_and_scaled, exponent, exposure];
+    let named: [Hypothesis; 6] = [
+        colours,
+        primaries,
+        gamma,
+        encoded_and_scaled,
+        exponent,
+        exposure,
+    ];
     let test = |named: &[Hypothesis]| named.iter().find_map(|hypothesis| hypothesis(case, &lit));
     // If one factor leaves nothing there is nothing else to explain.
     test(&first).or_else(|| match lit.left_by_one_factor(case) <= NOTHING {
@@ -134,10 +142,10 @@ pub(super) fn lit_above(case: &Case, least: f64) -> Option<Vec<Lit>> {
     (lit.len() >= FEWEST).then_some(lit)
 }
 
-/// Pixels of surfaces with light in either picture; `None` if the reference has it at too few.
+/// Pixels of surfaces, with light or without; `None` if the reference has it at too few.
 pub(super) fn lit_and_dark(case: &Case) -> Option<Vec<Lit>> {
     lit(case)?;
-    with_light(case, 0.0, |pair| pair.iter().flatten().sum::<f64>() > 0.0)
+    with_light(case, 0.0, |_| true)
 }
 
 /// Pixels of surfaces whose light satisfies `is_wanted` and is not clipped in the candidate.
@@ -496,6 +504,48 @@ fn best_order(
             ),
         }
         .into(),
+        evidence: evidence(&fit.tally),
+    };
+    Some((diagnosis, fit.left))
+}
+
+/// The chromaticities of red, green and blue, and of white, which all of these have (D65).
+const REC_709: [[f64; 2]; 3] = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06]];
+const OTHER_PRIMARIES: [(&str, [[f64; 2]; 3]); 2] = [
+    ("Rec. 2020", [[0.708, 0.292], [0.17, 0.797], [0.131, 0.046]]),
+    ("Display P3", [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06]]),
+];
+const WHITE: [f64; 2] = [0.3127, 0.329];
+
+/// XYZ of linear RGB with these primaries: their XYZ times the amounts that add up to white.
+fn xyz_of(primaries: [[f64; 2]; 3]) -> DMat3 {
+    let xyz = |[x, y]: [f64; 2]| DVec3::new(x, y, 1.0 - x - y) / y;
+    let [r, g, b] = primaries.map(xyz);
+    let columns = DMat3::from_cols(r, g, b);
+    columns * DMat3::from_diagonal(columns.inverse() * xyz(WHITE))
+}
+
+/// Linear light in other primaries, or converted from them though it was in the right ones.
+fn primaries(case: &Case, lit: &LitPixels) -> Option<(Diagnosis, f64)> {
+    (case.pair[0].encoding == Encoding::Linear).then_some(())?;
+    let right = xyz_of(REC_709);
+    let both = OTHER_PRIMARIES.into_iter().flat_map(|(name, other)| {
+        let other = xyz_of(other);
+        [
+            (other.inverse() * right, format!("light is in the primaries of {name} and should be in those of sRGB (Rec. 709)")),
+            (right.inverse() * other, format!("light is converted from the primaries of {name} to those of sRGB (Rec. 709), in which it was before")),
+        ]
+    });
+    let found = both.filter_map(|(matrix, what)| {
+        let of = |_, r: [f64; 3]| (matrix * DVec3::from(r)).to_array();
+        let fit = lit.may_fit(of).then(|| lit.fit(of))?;
+        let explains = fit.explains() && fit.left <= LEFT_BESIDE_A_FACTOR;
+        (explains && fit.left <= FAR_LESS * lit.left_by_one_factor(case)).then_some((what, fit))
+    });
+    let (what, fit) = found.min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
+    let diagnosis = Diagnosis {
+        kind: Kind::Primaries,
+        what: what.into(),
         evidence: evidence(&fit.tally),
     };
     Some((diagnosis, fit.left))

@@ -6,8 +6,8 @@
 //! objects, or none, around this pixel, with the point in their box. Pictures of single samples have no means.
 
 use super::super::picture::Picture;
+use super::super::points::around;
 use super::super::points::{Points, place};
-use super::unlike::around;
 use glam::DVec3;
 
 /// Whether each picture states that its pixels are single samples.

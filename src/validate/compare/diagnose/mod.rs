@@ -40,8 +40,9 @@
 //! | times rounded | there are far fewer different times, all separated by multiples of one width |
 //! | time lookup shifted | the light is that of the scene with its cubes, pulses and flashes earlier or later; needs the scene |
 //! | colours exchanged | R, G, B are permuted |
+//! | other primaries | linear light is converted to, or from, Rec. 2020 or Display P3 |
 //! | gamma | light is encoded once too often, or once too few times |
-//! | exponent of W wrong | ln(c/r) = a + k ln W, with a = 0 or an integer k |
+//! | exponent of W wrong | ln(c/r) = a + k ln W, with a = 0 or an integer k; or the light is that of the scene with another quantity |
 //! | codes for light | the candidate's light is integers |
 //! | exposure | light is multiplied by one factor |
 //! | offset | one number is added to all light (`curve`) |
@@ -51,7 +52,8 @@
 //! | shadows missing | the light is that of the scene whose pulses cast no shadows; needs the scene |
 //! | size | the surfaces of an object are those of the reference scaled by a factor (`size`) |
 //! | one object's channels, or light | if nothing explains the picture, the explanation of one object's pixels (`object`) |
-//! | object elsewhere | by their events, points of an object are not on its surface, although nothing hides it; or they are in the frame of another velocity (`events`) |
+//! | back faces | points of a known scene are on the right rays, but behind the surface that faces the camera (`backs`) |
+//! | object elsewhere | points are on the right rays, but off the surface (`backs`); or by their events, points of an object are not on its surface, although nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate does not |
 //! | surfaces invented | the candidate shows objects where the reference shows nothing |
 //! | look directions wrong | they are those of no other camera and no other axes (`looks`) |
@@ -63,6 +65,7 @@
 //! A hypothesis whose channels are missing is not tested. Consequences of a wrong film or a wrong velocity (time, brightness, positions)
 //! are not diagnosed again.
 
+mod backs;
 mod camera;
 mod channels;
 mod constant;
@@ -205,6 +208,8 @@ pub enum Kind {
     LookupShifted,
     /// Red, green and blue are exchanged.
     ColoursExchanged,
+    /// Red, green and blue are those of another colour space.
+    Primaries,
     /// Light is encoded for a display once more, or once less, than it should be.
     Gamma,
     /// The radiance factor has a wrong exponent.
@@ -239,6 +244,8 @@ pub enum Kind {
     TriangleDisplaced,
     /// One object is displaced.
     ObjectDisplaced,
+    /// The side of an object is shown that its front should hide.
+    BackFaces,
     /// The points shown of an object are not on its surface in the reference.
     ObjectElsewhere,
     /// A channel is wrong where the right points are shown.
@@ -380,7 +387,7 @@ fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
 
 /// Explanations of the errors of pixels; light, which follows from everything else, is not looked at if the metadata state another shot.
 fn causes(case: &Case, is_other_shot: bool) -> Vec<Diagnosis> {
-    let causes: [fn(&Case) -> Vec<Diagnosis>; 17] = [
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 19] = [
         |case| channels::order_of_events(case).into_iter().collect(),
         // Before cameras, whose places of points depend on indices. Mirrored pictures may show other objects, too.
         |case| {
@@ -401,7 +408,9 @@ fn causes(case: &Case, is_other_shot: bool) -> Vec<Diagnosis> {
         depth::depths,
         object::units,
         size::wrong,
+        backs::shown,
         events::elsewhere,
+        backs::off_surface,
     ];
     if let Some(found) = causes
         .iter()
@@ -418,6 +427,14 @@ fn causes(case: &Case, is_other_shot: bool) -> Vec<Diagnosis> {
     found.extend(frames::weights(case));
     found.extend(ratios::ratio(case));
     found.extend(time::instant(case).or_else(|| time::shifted(case)));
+    // Light of points that are not where they should be seen does not say why.
+    let misplaced = match found.is_empty() {
+        true => part::misplaced(case),
+        false => Vec::new(),
+    };
+    if !misplaced.is_empty() {
+        return part::displaced(case).map_or(misplaced, |found| vec![found]);
+    }
     let by_light = curve::instead_of(case, light::light(case));
     // Another velocity changes light much as another exponent does, or, if it is far darker, as a factor does; the scene distinguishes
     // them.
@@ -465,9 +482,6 @@ fn causes(case: &Case, is_other_shot: bool) -> Vec<Diagnosis> {
     }
     if found.is_empty() {
         found.extend(part::displaced(case));
-    }
-    if found.is_empty() {
-        found.extend(part::misplaced(case));
     }
     found
 }

@@ -430,7 +430,11 @@ fn object_ratios(case: &Case, which: usize) -> Option<BTreeMap<i64, ObjectRatios
         // W γ (1 + β·d) of the camera is linear in the object's four-velocity (γ, γβ).
         let value = ratio.at(i) * gamma * (1.0 + beta.dot(d));
         if value.is_finite() && value > 0.0 {
-            let object = case.points[which].object_at(i).unwrap_or(0.0) as i64;
+            // A candidate without indices is told by the reference's.
+            let shown = case.points[which]
+                .object_at(i)
+                .or_else(|| case.points[0].object_at(i));
+            let object = shown.unwrap_or(0.0) as i64;
             let row = DVec4::new(1.0, d.x, d.y, d.z);
             objects.entry(object).or_default().rows.push((row, value));
         }
@@ -547,11 +551,13 @@ pub(super) fn is_out_of_view(case: &Case, changed: &KnownScene, object: usize) -
     first == Some(false) && !seen.any(|is_inside| is_inside)
 }
 
-/// The changes of an object, or of the whole scene, that move it out of view.
+/// The changes of an object, of the camera, or of the whole scene, that move it out of view.
 pub(super) fn out_of_view(case: &Case, object: usize) -> Vec<&'static str> {
     let changes = [
         (Change::Instant, "light that takes no time"),
         (Change::Advanced, "retardation of the opposite sign"),
+        (Change::CameraReversed, "aberration that is reversed"),
+        (Change::CameraAtRest, "aberration that is missing"),
         (Change::AtRest(object), "a velocity that is missing"),
         (
             Change::Reversed(object),

@@ -3,7 +3,7 @@
 //! If nothing explains the errors of the whole picture, channels and light are tested again with the pixels where both pictures show one
 //! object.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
 use super::super::options::Region;
@@ -22,20 +22,52 @@ const DIM: f64 = 0.05;
 /// Light at a smaller fraction of an object's pixels is ignored.
 const FEWEST_LIT: f64 = 0.1;
 
+/// The largest fraction of lit pixels whose light may differ as edges do.
+const MOST_AT_EDGES: f64 = 0.25;
+
 /// Mistakes of single objects.
 pub(super) fn single(case: &Case) -> Vec<Diagnosis> {
     let usual = light::lit(case).map_or(0.0, |lit| light::middle(&lit));
-    of_each(case, |case| of_object(case, usual))
+    let mut found = of_each(case, |case| of_object(case, usual));
+    // The light of one object has a factor of its own by chance where something else changes the light of the others, or its exponent.
+    let is_of_light = |kind| matches!(kind, Kind::Exposure | Kind::ExponentWrong);
+    let is_exponent = found.iter().any(|(_, d)| d.kind == Kind::ExponentWrong);
+    let explained: BTreeSet<i64> = (found.iter())
+        .filter(|(_, d)| is_of_light(d.kind))
+        .map(|(object, _)| *object)
+        .collect();
+    if is_exponent || is_light_wrong_beside(case, &explained) {
+        found.retain(|(_, d)| d.kind != Kind::Exposure);
+    }
+    together(found, objects(case).len())
+}
+
+/// Whether the light of other objects than these differs at more than their edges.
+fn is_light_wrong_beside(case: &Case, explained: &BTreeSet<i64>) -> bool {
+    let is_beside = |i: usize| {
+        let object = case.points[0].object_at(i);
+        object.is_some_and(|object| !explained.contains(&(object as i64)))
+    };
+    let beside = light::lit(case)
+        .into_iter()
+        .flatten()
+        .filter(|(i, _)| is_beside(*i));
+    let (mut all, mut wrong) = (0usize, 0usize);
+    for (_, [r, c]) in beside {
+        all += 1;
+        let size = light::distance(r, [0.0; 3]);
+        wrong += usize::from(light::distance(c, r) > light::NOTABLE * size);
+    }
+    wrong >= FEWEST && wrong as f64 > MOST_AT_EDGES * all as f64
 }
 
 /// Lengths and times of single objects in another unit; tested only for objects that are not resized or elsewhere.
 pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
-    of_each(case, channels::units)
+    together(of_each(case, channels::units), objects(case).len())
 }
 
-/// The diagnoses from the pixels of each object, if there are several.
-fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> {
-    let size = case.points[0].size();
+/// The pixels of each object that is tested; none if there are fewer than two.
+fn objects(case: &Case) -> Vec<(i64, Vec<usize>)> {
     let mut pixels: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     if case.points.iter().any(|points| points.object.is_none()) {
         return Vec::new();
@@ -50,10 +82,15 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
     objects.truncate(MOST_OBJECTS);
     objects.sort_by_key(|(object, _)| *object);
     if objects.len() < 2 {
-        return Vec::new();
+        objects.clear();
     }
-    let count = objects.len();
-    let found = objects.into_iter().flat_map(|(object, pixels)| {
+    objects
+}
+
+/// The diagnoses from the pixels of each object, if there are several.
+fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<(i64, Diagnosis)> {
+    let size = case.points[0].size();
+    let found = objects(case).into_iter().flat_map(|(object, pixels)| {
         let mut mask = vec![false; size[0] * size[1]];
         pixels.iter().for_each(|i| mask[*i] = true);
         let region = Region {
@@ -71,7 +108,7 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
         };
         of(&case).into_iter().map(move |found| (object, found))
     });
-    together(found.collect(), count)
+    found.collect()
 }
 
 /// Merges diagnoses of `count` objects, with one for all objects that share it.

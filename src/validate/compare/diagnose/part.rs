@@ -6,8 +6,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::super::geometry::Field;
+use super::super::points::around;
 use super::super::surface::FEWEST_OF_OBJECT;
-use super::unlike::around;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, camera, median, motion};
 
 /// The smallest notable displacement, pixels.
@@ -133,30 +133,45 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
 pub(super) fn vanished(case: &Case) -> Vec<(usize, Diagnosis)> {
     let [r, c] = &case.points;
     let mut pixels: BTreeMap<i64, [u64; 2]> = BTreeMap::new();
+    let mut pairs: BTreeMap<[i64; 2], u64> = BTreeMap::new();
     for i in case.region.pixels(r.size()) {
         let (Some(in_r), Some(in_c)) = (r.object_at(i), c.object_at(i)) else {
             return Vec::new();
         };
-        for (which, object) in [in_r, in_c].into_iter().enumerate() {
-            if object >= 0.0 {
-                pixels.entry(object as i64).or_default()[which] += 1;
+        let both = [in_r, in_c].map(|object| object as i64);
+        *pairs.entry(both).or_default() += 1;
+        for (which, object) in both.into_iter().enumerate() {
+            if object >= 0 {
+                pixels.entry(object).or_default()[which] += 1;
             }
         }
     }
     let is_gone = |[in_r, in_c]: &[u64; 2]| *in_r >= FEWEST_OF_OBJECT && *in_c == 0;
     let gone = pixels.iter().filter(|(_, pixels)| is_gone(pixels));
-    let describe = |(object, [pixels, _]): (&i64, &[u64; 2])| {
+    // Another object that is shown at most of these pixels, and not where it should be.
+    let hides = |object: i64, other: i64, count: u64| {
+        let at = |pair| pairs.get(&pair).copied().unwrap_or(0);
+        let is_displaced = 2 * at([other, other]) < pixels[&other][1];
+        (other >= 0 && 2 * at([object, other]) >= count && is_displaced).then(|| {
+            format!("; object {other} is shown at most of these, where it should not be, and may hide it")
+        })
+    };
+    let describe = |(object, [count, _]): (&i64, &[u64; 2])| {
+        let hidden = pixels
+            .keys()
+            .find_map(|other| hides(*object, *other, *count));
         let why = motion::out_of_view(case, *object as usize);
         let or = match why.is_empty() {
             true => String::new(),
             false => format!("; it would be out of view, too, by {}", why.join(", or ")),
         };
+        let or = hidden.unwrap_or_default() + &or;
         let diagnosis = Diagnosis {
             kind: Kind::ObjectMissing,
             what: format!(
-                "object {object} is missing: the reference shows it at {pixels} pixels, the candidate nowhere{or}"
+                "object {object} is missing: the reference shows it at {count} pixels, the candidate nowhere{or}"
             ).into(),
-            evidence: vec![("pixels", *pixels as f64)],
+            evidence: vec![("pixels", *count as f64)],
         };
         (*object as usize, diagnosis)
     };

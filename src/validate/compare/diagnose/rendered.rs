@@ -19,8 +19,10 @@ use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
 use crate::render::render;
-use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind, TimeFilter};
-use crate::spacetime::Velocity;
+use crate::scene::model::{
+    EmissionProfile, LightKind, Motion, Scene, Source, SourceKind, TimeFilter,
+};
+use crate::spacetime::{Quantity, Velocity};
 
 /// The most moving objects that are tested.
 const MOST_OBJECTS: usize = 8;
@@ -83,12 +85,18 @@ fn in_the_light(case: &Case) -> Verdict {
 fn in_the_dark(case: &Case) -> Option<(Diagnosis, f64)> {
     let (scene, lit) = (case.scene?, lit(case)?);
     let mistake = without_shadows(scene)?;
-    let all = lit_and_dark(case)?;
-    if fit(&all, |_, r| r).tally.error() <= NOTABLE {
+    let mut all = lit_and_dark(case)?;
+    let is_lit = |light: &[f64; 3]| light.iter().sum::<f64>() > 0.0;
+    let in_either = all.iter().filter(|(_, pair)| pair.iter().any(is_lit));
+    let in_either: Vec<Lit> = in_either.copied().collect();
+    if fit(&in_either, |_, r| r).tally.error() <= NOTABLE {
         return None;
     }
     light_if_that_of(case, scene, &lit)?;
-    let fit = light_of(case, &mistake.scene, &all)?.fit(&all);
+    let light = light_of(case, &mistake.scene, &all)?;
+    // Where both are black, light without shadows would be a mistake of the hypothesis.
+    all.retain(|(i, pair)| pair.iter().any(is_lit) || is_lit(&light.0[*i]));
+    let fit = light.fit(&all);
     let explains = fit.tally.explains(NOTABLE) && fit.left <= LEFT_BY_MISTAKE;
     explains.then(|| {
         let diagnosis = Diagnosis {
@@ -128,6 +136,7 @@ fn mistake(
     }
     mistakes.extend(without_shadows(scene));
     mistakes.extend(by_whole_bins(scene));
+    mistakes.extend(other_exponents(scene));
     let of_no_size = mistakes.into_iter().filter_map(|mistake| {
         let fit = asked.light_if_promising(case, &mistake.scene)?.fit(lit);
         let explains = fit.tally.explains(NOTABLE) && fit.left <= LEFT_BY_MISTAKE;
@@ -592,6 +601,50 @@ fn without_shadows(scene: &Scene) -> Option<Mistake> {
         size: ("pulses", f64::from(count)),
         scene: without,
     })
+}
+
+/// One quantity of each exponent.
+const OF_EXPONENTS: [Quantity; 4] = [
+    Quantity::PhotonsPerFrequency,
+    Quantity::PerFrequency,
+    Quantity::Integrated,
+    Quantity::PerWavelength,
+];
+
+/// The scene with radiances of another quantity, if pulses or lamps shine on moving objects: their light has the exponent, too. Light of no
+/// such source has W^k for its ratio, which needs no scene.
+fn other_exponents(scene: &Scene) -> Vec<Mistake> {
+    let is_pulse = |source: &Source| matches!(source.kind, SourceKind::Pulse(_));
+    let shines = scene.sources.iter().any(is_pulse) || !scene.lights.is_empty();
+    let has_exponent = !matches!(scene.quantity, Quantity::Rgb | Quantity::Line { .. });
+    let right = scene.quantity.exponent();
+    let are_alike = scene
+        .sources
+        .iter()
+        .all(|source| source.quantity == scene.quantity);
+    let others = OF_EXPONENTS
+        .into_iter()
+        .filter(|other| other.exponent() != right);
+    let with = |other: Quantity| {
+        let mut with = scene.clone();
+        with.quantity = other;
+        with.sources
+            .iter_mut()
+            .for_each(|source| source.quantity = other);
+        let is = other.exponent();
+        Mistake {
+            kind: Kind::ExponentWrong,
+            what: format!(
+                "the exponent p of W is {is} and should be {right}: the light is that of radiances as {other}, both from surfaces and on them"
+            ),
+            size: ("exponent", f64::from(is)),
+            scene: with,
+        }
+    };
+    match shines && has_exponent && are_alike {
+        true => others.map(with).collect(),
+        false => Vec::new(),
+    }
 }
 
 /// The scene whose cubes are looked up in the bin that contains a time, without interpolation.

@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use rayon::prelude::*;
 
 use super::super::picture::Plane;
+use super::super::points::around;
 use super::channels::same_places;
 use super::{Case, Diagnosis, FEWEST, Kind, median};
 use crate::render::aov::{Aov, group, group_of};
@@ -60,6 +61,15 @@ type Objects = BTreeMap<i64, Vec<usize>>;
 
 /// Channels that are wrong, with the objects in which they are.
 pub(super) fn channels(case: &Case) -> Vec<Diagnosis> {
+    // What the candidate does not say of itself is not said of it.
+    let of = match case.field {
+        Some(_) => " of the pixels that show the right points",
+        None => " of the pixels",
+    };
+    let inside = match case.points[1].object {
+        Some(_) => "in",
+        None => "where the reference shows",
+    };
     let mut objects = Objects::new();
     for i in same_places(case) {
         let object = case.points[0].object_at(i).unwrap_or(0.0);
@@ -95,8 +105,8 @@ pub(super) fn channels(case: &Case) -> Vec<Diagnosis> {
         };
         let unit = if is_length(names[0]) { " m" } else { "" };
         let what = format!(
-            "{}{} {verb} wrong: {of_first}at {:.0} % of the pixels that show the right points, by {:.4}{unit} at half of these",
-            wrong.place(),
+            "{}{} {verb} wrong: {of_first}at {:.0} %{of}, by {:.4}{unit} at half of these",
+            wrong.place(inside),
             listed(&names),
             100.0 * wrong.part,
             wrong.off
@@ -114,7 +124,7 @@ pub(super) fn channels(case: &Case) -> Vec<Diagnosis> {
     found.extend(triangles.map(|wrong| {
         let what = format!(
             "{}indices of triangles are wrong: of the pixels inside a triangle {:.0} % have that of another one",
-            wrong.place(),
+            wrong.place(inside),
             100.0 * wrong.part
         );
         (what, vec![("part of the pixels", wrong.part)])
@@ -139,13 +149,13 @@ struct Wrong {
 }
 
 impl Wrong {
-    /// The beginning of a sentence; empty for all objects.
-    fn place(&self) -> String {
+    /// The beginning of a sentence, "in object 3, " with `inside` = "in"; empty for all objects.
+    fn place(&self, inside: &str) -> String {
         let named: Vec<String> = self.objects.iter().map(i64::to_string).collect();
         match named.as_slice() {
             _ if named.len() == self.tested => String::new(),
-            [one] => format!("in object {one}, "),
-            several => format!("in objects {}, ", several.join(", ")),
+            [one] => format!("{inside} object {one}, "),
+            several => format!("{inside} objects {}, ", several.join(", ")),
         }
     }
 }
@@ -261,13 +271,4 @@ fn wrong_triangles(case: &Case, pixels: &[usize]) -> Option<(Vec<f64>, usize)> {
     let inside: Vec<&usize> = pixels.par_iter().filter(is_inside).collect();
     let wrong = inside.iter().filter(|i| c.at(***i) != r.at(***i));
     Some((wrong.map(|_| 1.0).collect(), inside.len()))
-}
-
-/// A pixel with those beside and diagonally beside it.
-pub(super) fn around([width, height]: [usize; 2], i: usize) -> impl Iterator<Item = usize> {
-    let (x, y) = (i % width, i / width);
-    let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-    rows.flat_map(move |y| {
-        (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |x| y * width + x)
-    })
 }

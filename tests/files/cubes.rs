@@ -546,7 +546,7 @@ fn dead_bins_of_different_widths_are_filled_as_densities() {
             let CubeData::File(file) = &source.data else {
                 panic!("no file");
             };
-            let wanted = file.wanted(None);
+            let wanted = source.wanted(file);
             let loaded = cube::load(&file.path, wanted).unwrap();
             let mut line = [0.0; 7];
             let on_disk = Bricks::open(&file.path, wanted, 9 << 20).unwrap();

@@ -41,7 +41,6 @@ use self::stored::Stored;
 use crate::error::{Error, Result};
 use crate::io::cube::Cube;
 use crate::io::npy::Dtype;
-use crate::light::Received;
 use crate::light::lamp::Emission;
 use crate::mesh::atlas::Corners;
 use crate::render::film::TILE;

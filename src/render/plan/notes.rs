@@ -361,10 +361,15 @@ fn lost_digits(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
             }
             _ => Vec::new(),
         };
-        let seen = lamp.line.on_past_light_cone_of(shot.event);
+        // The motion was checked before.
+        let line = lamp.world_line().ok();
+        let seen = (line.as_ref()).and_then(|line| line.on_past_light_cone_of(shot.event));
         times.extend(seen.map(|crossing| crossing.proper_time()));
-        let states = times.iter().filter_map(|time| lamp.line.state(*time));
-        let gammas = states.map(|state| state.velocity.gamma());
+        let state = |time: &f64| line.as_ref()?.state(*time);
+        let gammas = times
+            .iter()
+            .filter_map(state)
+            .map(|state| state.velocity.gamma());
         gammas.fold(lamp.velocity.gamma(), f64::max)
     };
     let lamps = scene.lights.iter().filter_map(|light| match &light.kind {

@@ -1,8 +1,6 @@
 //! The ranges of numbers in scenes, whether they come from a file or from a program. Each check returns what is wrong, and what would be
 //! right.
 
-use std::f64::consts::FRAC_PI_2;
-
 use glam::{DAffine3, DVec3};
 
 use super::model::{EmissionProfile, MOST_BOUNCES, MOST_SAMPLES, ProjectionKind, Scene, Spectra};
@@ -22,11 +20,6 @@ const MOST_SUBDIVISIONS: u32 = 8;
 const MOST_CELLS: u32 = 64;
 /// The most stars.
 pub(crate) const MOST_STARS: u32 = 1_000_000;
-/// The largest angular diameters of the sun and of stars, degrees.
-pub(crate) const WIDEST_SUN: f64 = 90.0;
-pub(crate) const WIDEST_STAR: f64 = 10.0;
-/// A disc whose angular diameter is not above this, in radians, has a solid angle below 1e-18: rounding of directions would decide about it.
-pub(crate) const LEAST_DIAMETER: f64 = 1e-9;
 
 /// Width and height of a picture.
 pub(crate) fn image_size([width, height]: [u32; 2]) -> Result<(), Wrong> {
@@ -157,16 +150,6 @@ pub(crate) fn is_field_of_view(radians: f64, projection: ProjectionKind) -> bool
             ProjectionKind::Perspective => radians < std::f64::consts::PI - 1e-9,
             _ => radians <= projection.widest().to_radians(),
         }
-}
-
-/// Whether these are the inner and the outer angle of a cone of light, radians; 90° may have been rounded up.
-pub(crate) fn is_cone(inner: f64, outer: f64) -> bool {
-    0.0 <= inner && inner < outer && outer <= FRAC_PI_2 * (1.0 + 1e-12)
-}
-
-/// Whether a disc in the sky may have this angular diameter, radians, up to `widest` degrees, which may have been rounded up.
-pub(crate) fn is_diameter(diameter: f64, widest: f64) -> bool {
-    diameter > LEAST_DIAMETER && diameter <= widest.to_radians() * (1.0 + 1e-12)
 }
 
 /// Whether the transform has an inverse that f64 can hold: columns of unit length must span a volume.

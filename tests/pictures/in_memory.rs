@@ -15,8 +15,8 @@ use nullray::render::metadata::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{
     BadTextures, BadVertices, Beam, Brightness, CaptureCamera, Catalogue, CubeData,
-    EmissionProfile, Exposure, Geometry, Lamp, LightKind, Mapping, Motion, Pulse, Scene, Sky,
-    SkyRadiance, SourceKind, Stars, Stereo,
+    EmissionProfile, Geometry, Lamp, LightKind, Mapping, Motion, Pulse, Scene, Sky, SkyRadiance,
+    SourceKind, Stars, Stereo,
 };
 use nullray::scene::{Builder, Value};
 use nullray::spacetime::units::Time;
@@ -434,11 +434,6 @@ fn numbers_that_no_scene_file_can_contain_are_refused_by_name() {
         ("speed_of_light", |s| s.speed_of_light = 0.0),
         ("background", |s| s.background[1] = NAN),
         ("bits", |s| s.bits = 7),
-        ("false_colour", |s| s.false_colour = Some(0.0)),
-        ("exposure", |s| s.exposure = Exposure::Percentile(101.0)),
-        ("exposure", |s| {
-            s.exposure = Exposure::Logarithmic([2.0, 1.0])
-        }),
         ("camera.origin", |s| s.camera.origin.ct = NAN),
         ("camera.axes", |s| s.camera.axes = [DVec3::ZERO; 3]),
         ("camera.axes", |s| s.camera.axes[1] = DVec3::NAN),

@@ -218,7 +218,7 @@ impl Timeline {
             if span.own.is_empty() {
                 span.full = read.first..read.first;
             }
-            let first = read.first - span.full.start;
+            let first = read.first.saturating_sub(span.full.start);
             span.full.end = span.full.end.max(read.first + read.count);
             span.own.resize(span.full.len(), 0.0);
             let own = span.own[first..].iter_mut().zip(read.weights);

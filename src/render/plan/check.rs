@@ -7,23 +7,23 @@ use crate::mesh::shapes::Shape;
 use crate::mesh::{Material, Mesh, MeshError};
 use crate::scene::limits::{self, Wrong};
 use crate::scene::model::{
-    Beam, Binding, Brightness, Catalogue, EmissionProfile, Exposure, Geometry, Lamp, Light,
-    LightKind, Mapping, Motion, Object, Scene, Sky, SkyRadiance, Source, SourceKind,
+    Beam, Binding, Brightness, Catalogue, EmissionProfile, Geometry, Lamp, Light, LightKind,
+    Mapping, Motion, Object, Scene, Sky, SkyRadiance, Source, SourceKind,
 };
 
 /// What a number, a vector or a choice may be.
 enum Must<'a> {
-    BeFinite(&'a [f64]),
-    NotBeNegative(&'a [f64]),
-    BePositive(&'a [f64]),
-    BeUnit(DVec3),
+    Finite(&'a [f64]),
+    AtLeast0(&'a [f64]),
+    Above0(&'a [f64]),
+    Unit(DVec3),
     /// Right, up and forward.
-    BeAxes([DVec3; 3]),
+    Axes([DVec3; 3]),
     /// A condition in words.
-    Hold(bool, &'static str),
+    Is(bool, &'static str),
 }
 
-use Must::{BeAxes, BeFinite, BePositive, BeUnit, Hold, NotBeNegative};
+use Must::{Above0, AtLeast0, Axes, Finite, Is, Unit};
 
 /// How far products of vectors may be from those of unit vectors at right angles: a little more than those of poses in files.
 const ROUNDING: f64 = 2e-3;
@@ -44,18 +44,18 @@ impl Must<'_> {
             false => Err(("it is out of range".into(), help.into())),
         };
         match *self {
-            BeFinite(numbers) => all(numbers, |_| true, "a finite number"),
-            NotBeNegative(numbers) => all(numbers, |x| x >= 0.0, "a finite number of at least 0"),
-            BePositive(numbers) => all(numbers, |x| x > 0.0, "a finite number above 0"),
-            BeUnit(v) => hold(are_units(v, v, 1.0), "a vector of length 1"),
-            BeAxes([a, b, c]) => hold(
+            Finite(numbers) => all(numbers, |_| true, "a finite number"),
+            AtLeast0(numbers) => all(numbers, |x| x >= 0.0, "a finite number of at least 0"),
+            Above0(numbers) => all(numbers, |x| x > 0.0, "a finite number above 0"),
+            Unit(v) => hold(are_units(v, v, 1.0), "a vector of length 1"),
+            Axes([a, b, c]) => hold(
                 [a, b, c].iter().all(|v| are_units(*v, *v, 1.0))
                     && [(a, b), (b, c), (c, a)]
                         .iter()
                         .all(|(v, w)| are_units(*v, *w, 0.0)),
                 "three vectors of length 1 at right angles",
             ),
-            Hold(holds, words) => hold(holds, words),
+            Is(holds, words) => hold(holds, words),
         }
     }
 }
@@ -87,26 +87,13 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
             return refuse(place, wrong);
         }
     }
-    let exposure = match &scene.exposure {
-        Exposure::Percentile(percent) => Hold(
-            *percent > 0.0 && *percent <= 100.0,
-            "a percentile above 0, and at most 100",
-        ),
-        Exposure::White(white) => BePositive(std::slice::from_ref(white)),
-        Exposure::Logarithmic([low, high]) => Hold(
-            *low > 0.0 && low < high && high.is_finite(),
-            "two ascending radiances above 0",
-        ),
-    };
     let rows = [
-        ("speed_of_light", BePositive(&[scene.speed_of_light])),
-        ("background", BeFinite(&scene.background)),
+        ("speed_of_light", Above0(&[scene.speed_of_light])),
+        ("background", Finite(&scene.background)),
         (
             "bits",
-            Hold(matches!(scene.bits, 8 | 16), "8 or 16 bits per sample"),
+            Is(matches!(scene.bits, 8 | 16), "8 or 16 bits per sample"),
         ),
-        ("false_colour", BePositive(scene.false_colour.as_slice())),
-        ("exposure", exposure),
     ];
     check_rows(scene, "", &rows)?;
     scene
@@ -139,26 +126,16 @@ pub(crate) fn check_camera(scene: &Scene) -> Result<()> {
         ));
     }
     let rows = [
-        ("time", BeFinite(&[camera.time])),
-        ("origin", BeFinite(&camera.origin.to_array())),
-        ("axes", BeAxes(camera.axes)),
-        (
-            "frame_interval",
-            BePositive(camera.frame_interval.as_slice()),
-        ),
+        ("time", Finite(&[camera.time])),
+        ("origin", Finite(&camera.origin.to_array())),
+        ("axes", Axes(camera.axes)),
+        ("frame_interval", Above0(camera.frame_interval.as_slice())),
     ];
     check_rows(scene, "camera.", &rows)?;
-    if let Some(turning) = &camera.turning {
-        let rows = [
-            ("axes", BeAxes(turning.axes)),
-            ("speed_of_light", BePositive(&[turning.speed_of_light])),
-        ];
-        check_rows(scene, "camera.turning.", &rows)?;
-    }
     if let Some(rotation) = camera.rotation {
         let rows = [
-            ("axis", BeUnit(rotation.axis)),
-            ("rate", BeFinite(&[rotation.rate])),
+            ("axis", Unit(rotation.axis)),
+            ("rate", Finite(&[rotation.rate])),
         ];
         check_rows(scene, "camera.rotation.", &rows)?;
     }
@@ -168,12 +145,12 @@ pub(crate) fn check_camera(scene: &Scene) -> Result<()> {
         camera.shutter.map(|shutter| shutter.duration),
     ];
     let rows = [
-        ("sensor.focal_length", BePositive(sensor.as_slice())),
+        ("sensor.focal_length", Above0(sensor.as_slice())),
         (
             "stereo.interpupillary_distance",
-            NotBeNegative(pupils.as_slice()),
+            AtLeast0(pupils.as_slice()),
         ),
-        ("shutter.duration", BePositive(shutter.as_slice())),
+        ("shutter.duration", Above0(shutter.as_slice())),
     ];
     check_rows(scene, "camera.", &rows)
 }
@@ -184,14 +161,14 @@ fn source(scene: &Scene, source: &Source) -> Result<()> {
     if let Binding::Only { objects, .. } = &source.binding {
         let is_there = objects.iter().all(|object| *object < scene.objects.len());
         let words = "indices of the objects of the scene";
-        check_rows(scene, &of, &[("objects", Hold(is_there, words))])?;
+        check_rows(scene, &of, &[("objects", Is(is_there, words))])?;
     }
     match &source.kind {
         SourceKind::Pulse(pulse) => {
             let rows = [
-                ("origin", BeFinite(&pulse.origin.to_array())),
-                ("sigma", BePositive(&[pulse.sigma])),
-                ("intensity", NotBeNegative(&pulse.intensity)),
+                ("origin", Finite(&pulse.origin.to_array())),
+                ("sigma", Above0(&[pulse.sigma])),
+                ("intensity", AtLeast0(&pulse.intensity)),
             ];
             check_rows(scene, &of, &rows)
         }
@@ -201,13 +178,13 @@ fn source(scene: &Scene, source: &Source) -> Result<()> {
             };
             let sees = limits::is_field_of_view(camera.fov, camera.projection);
             let rows = [
-                ("capture.eye", BeFinite(&camera.eye.to_array())),
-                ("capture.axes", BeAxes(camera.axes)),
+                ("capture.eye", Finite(&camera.eye.to_array())),
+                ("capture.axes", Axes(camera.axes)),
                 (
                     "capture.fov",
-                    Hold(sees, "radians, within the range of its projection"),
+                    Is(sees, "radians, within the range of its projection"),
                 ),
-                ("capture.near_clip", NotBeNegative(&[camera.near_clip])),
+                ("capture.near_clip", AtLeast0(&[camera.near_clip])),
             ];
             check_rows(scene, &of, &rows)
         }
@@ -235,9 +212,9 @@ fn light(scene: &Scene, light: &Light) -> Result<()> {
             let rows = [
                 (
                     "object",
-                    Hold(is_there, "the index of an object of the scene"),
+                    Is(is_there, "the index of an object of the scene"),
                 ),
-                ("brightness", NotBeNegative(brightness)),
+                ("brightness", AtLeast0(brightness)),
             ];
             check_rows(scene, &of, &rows)?;
             emission
@@ -246,51 +223,43 @@ fn light(scene: &Scene, light: &Light) -> Result<()> {
     if let Err((what, help)) = limits::emission(emission) {
         return Err(Error::invalid(&scene.name, of + "emission", what, help));
     }
-    let refuse = |must: Must| check_rows(scene, &of, &[("emission", must)]);
-    match emission {
-        EmissionProfile::Steady => Ok(()),
-        EmissionProfile::Gaussian { centre, sigma } => {
-            refuse(BeFinite(&[*centre]))?;
-            refuse(BePositive(&[*sigma]))
-        }
+    let words = "finite times, sigma above 0, a period of at least sigma; ascending times, and factors of at least 0";
+    let is_fine = match emission {
+        EmissionProfile::Steady => true,
+        EmissionProfile::Gaussian { centre, sigma } => centre.is_finite() && is_length(*sigma),
         EmissionProfile::Train {
             centre,
             sigma,
             period,
             ..
-        } => {
-            refuse(BeFinite(&[*centre]))?;
-            refuse(BePositive(&[*sigma, *period]))?;
-            refuse(Hold(period >= sigma, "a period of at least sigma"))
-        }
+        } => centre.is_finite() && is_length(*sigma) && period.is_finite() && period >= sigma,
         EmissionProfile::Table(knots) => {
-            refuse(BeFinite(knots.as_flattened()))?;
-            let is_lit = knots.iter().all(|[_, factor]| *factor >= 0.0);
-            let ascends = knots.len() > 1 && knots.is_sorted_by(|a, b| a[0] < b[0]);
-            let words = "two or more ascending times, with factors of at least 0";
-            refuse(Hold(is_lit && ascends, words))
+            let is_lit =
+                |[time, factor]: &[f64; 2]| time.is_finite() && (0.0..=f64::MAX).contains(factor);
+            knots.iter().all(is_lit) && knots.is_sorted_by(|a, b| a[0] < b[0])
         }
-    }
+    };
+    check_rows(scene, &of, &[("emission", Is(is_fine, words))])
 }
 
 fn lamp(scene: &Scene, of: &str, lamp: &Lamp) -> Result<()> {
     let beam = match lamp.beam {
-        Beam::Point => Hold(true, ""),
-        Beam::Parallel(direction) => BeUnit(direction),
-        Beam::Spot { axis, .. } => BeUnit(axis),
+        Beam::Point => Is(true, ""),
+        Beam::Parallel(direction) => Unit(direction),
+        Beam::Spot { axis, .. } => Unit(axis),
     };
     let is_cone = match lamp.beam {
         Beam::Point => true,
         // Parallel light fills one frame.
         Beam::Parallel(_) => lamp.motion == Motion::Inertial,
-        Beam::Spot { inner, outer, .. } => limits::is_cone(inner, outer),
+        Beam::Spot { inner, outer, .. } => 0.0 <= inner && inner < outer && outer < 1.6,
     };
-    let words = "a cone with 0 ≤ inner < outer ≤ π/2, and parallel light without acceleration";
+    let words = "a cone with 0 ≤ inner < outer ≤ π/2; parallel light without acceleration";
     let rows = [
-        ("origin", BeFinite(&lamp.origin.to_array())),
-        ("intensity", NotBeNegative(&lamp.intensity)),
+        ("origin", Finite(&lamp.origin.to_array())),
+        ("intensity", AtLeast0(&lamp.intensity)),
         ("beam", beam),
-        ("beam", Hold(is_cone, words)),
+        ("beam", Is(is_cone, words)),
     ];
     check_rows(scene, of, &rows)?;
     match lamp.world_line() {
@@ -314,27 +283,18 @@ fn sky(scene: &Scene, sky: &Sky) -> Result<()> {
         } => [*zenith, *horizon, *ground].concat(),
         SkyRadiance::Spectrum(_) => Vec::new(),
     };
-    let rotation = match sky.background {
-        SkyRadiance::Image { rotation, .. } => rotation,
-        _ => 0.0,
-    };
-    let rows = [
-        ("background", NotBeNegative(&background)),
-        ("rotation", BeFinite(&[rotation])),
-    ];
-    check_rows(scene, "sky.", &rows)?;
-    let disc = |radius: f64, widest| {
-        let is_disc = limits::is_diameter(2.0 * radius, widest);
-        Hold(
-            is_disc,
-            "radians: half of a diameter above 1e-9, and below 90 degrees for the sun, 10 for stars",
+    check_rows(scene, "sky.", &[("background", AtLeast0(&background))])?;
+    let disc = |radius: f64| {
+        Is(
+            radius > 0.0 && radius < 0.8,
+            "an angle above 0, up to 45 degrees",
         )
     };
     if let Some(sun) = &sky.sun {
         let rows = [
-            ("direction", BeUnit(sun.direction)),
-            ("irradiance", NotBeNegative(&sun.irradiance)),
-            ("radius", disc(sun.radius, limits::WIDEST_SUN)),
+            ("direction", Unit(sun.direction)),
+            ("irradiance", AtLeast0(&sun.irradiance)),
+            ("radius", disc(sun.radius)),
         ];
         check_rows(scene, "sky.sun.", &rows)?;
     }
@@ -348,15 +308,15 @@ fn sky(scene: &Scene, sky: &Sky) -> Result<()> {
         } => (count, faintest),
     };
     let rows = [
-        ("scale", BePositive(&[stars.scale])),
-        ("radius", disc(stars.radius, limits::WIDEST_STAR)),
+        ("scale", Above0(&[stars.scale])),
+        ("radius", disc(stars.radius)),
         (
             "count",
-            Hold(count <= limits::MOST_STARS, "at most 1000000 stars"),
+            Is(count <= limits::MOST_STARS, "at most 1000000 stars"),
         ),
         (
             "faintest",
-            Hold(faintest.abs() <= 30.0, "a magnitude from -30 to 30"),
+            Is(faintest.abs() <= 30.0, "a magnitude from -30 to 30"),
         ),
     ];
     check_rows(scene, "sky.stars.", &rows)
@@ -368,12 +328,12 @@ fn object(scene: &Scene, object: &Object) -> Result<()> {
     let rows = [
         (
             "transform",
-            Hold(
+            Is(
                 limits::is_invertible(object.transform),
                 "a transform that can be inverted",
             ),
         ),
-        ("origin", BeFinite(&object.origin.to_array())),
+        ("origin", Finite(&object.origin.to_array())),
     ];
     check_rows(scene, &format!("object \"{name}\", "), &rows)?;
     let refuse =
@@ -449,7 +409,7 @@ fn shape(shape: &Shape) -> Result<(), (&'static str, Wrong)> {
     }
 }
 
-/// Whether a shape may have this length; false for NaN.
+/// Whether it is a length, or a duration; false for NaN.
 fn is_length(length: f64) -> bool {
     length > 0.0 && length.is_finite()
 }

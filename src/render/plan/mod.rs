@@ -15,6 +15,8 @@ mod planned;
 mod recorded;
 mod report;
 
+use std::sync::Arc;
+
 use crate::accel::{Precision, Preset};
 use crate::camera::Camera;
 use crate::error::{Error, Message, Result, Setting};
@@ -31,7 +33,7 @@ use crate::scene::model::{
 
 pub use bindings::{Lit, lit_by, shown_by};
 pub(crate) use check::check_camera;
-pub(crate) use fixed::{Fixed, PLANNED, PREPARED, check_size};
+pub(crate) use fixed::{PLANNED, PREPARED, check_same, check_size};
 pub(crate) use memory::BUILT_TOGETHER;
 pub use notes::unread;
 pub(crate) use notes::{is_moot, unfound_light, unshown};
@@ -83,7 +85,7 @@ impl Plan {
             memory_limit: request.memory_limit,
             samples_spectra: scene.spectra == Spectra::Sampled,
             counts_only: false,
-            fixed: Fixed::of(scene),
+            of: Arc::new(scene.clone()),
             skipped: Vec::new(),
             notes: Vec::new(),
         };

@@ -1,10 +1,10 @@
 //! The options of a request, and the contents of a plan.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::fixed::Fixed;
 use crate::accel::{ExpectedRays, Precision, Preset};
 use crate::camera;
 use crate::mesh::Factors;
@@ -77,9 +77,9 @@ pub struct Plan {
     /// Whether parts of cubes are only counted, not read: for [`estimate_reads`](crate::render::estimate_reads).
     #[serde(skip)]
     pub(crate) counts_only: bool,
-    /// What the scene has in common with those that it can be carried out for.
+    /// The scene that was planned.
     #[serde(skip)]
-    pub(crate) fixed: Fixed,
+    pub(crate) of: Arc<Scene>,
     /// What is not done, and why.
     pub skipped: Vec<Skipped>,
     /// What the pictures do not show, and other remarks.

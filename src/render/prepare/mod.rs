@@ -18,13 +18,14 @@ pub use stores::LoadedCubes;
 
 use std::cell::LazyCell;
 use std::num::NonZeroU32;
+use std::sync::Arc;
 
 use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::render::film::Layout;
 use crate::render::plan::{
-    Fixed, PLANNED, PREPARED, Plan, check_camera, check_size, unfound_light, unshown,
+    PLANNED, PREPARED, Plan, check_camera, check_same, check_size, unfound_light, unshown,
 };
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
@@ -66,8 +67,8 @@ pub struct Prepared {
     pub built_in: f64,
     /// What the plan leaves of the memory limit, bytes: for work whose size no plan can estimate.
     pub memory_left: u64,
-    /// What the scenes of all pictures have in common.
-    fixed: Fixed,
+    /// The scene that was planned.
+    of: Arc<Scene>,
 }
 
 impl Prepared {
@@ -96,7 +97,7 @@ impl Prepared {
         cubes: &mut LoadedCubes,
         progress: &dyn Progress,
     ) -> Result<Prepared> {
-        plan.fixed.check(scene, PLANNED)?;
+        check_same(&plan.of, scene, PLANNED)?;
         check_size(scene, plan.film.size)?;
         let count = scene.objects.len();
         let of_scene =
@@ -148,7 +149,7 @@ impl Prepared {
             unfound_light: unfound,
             built_in,
             memory_left: plan.memory_left(),
-            fixed: plan.fixed.clone(),
+            of: plan.of.clone(),
         })
     }
 
@@ -201,7 +202,7 @@ impl Prepared {
     /// # Errors
     /// As [`Prepared::retake`], and a plan of pictures of another size than the scene's.
     pub fn retake_on_film(&mut self, scene: &Scene, plan: &Plan) -> Result<()> {
-        self.fixed.check(scene, PREPARED)?;
+        check_same(&self.of, scene, PREPARED)?;
         check_size(scene, plan.film.size)?;
         check_camera(scene)?;
         let has_gaps = self.layout.has_gaps || plan.film.has_gaps;
@@ -216,16 +217,15 @@ impl Prepared {
 
     /// Sets the camera of the next picture to that of `scene`, which may differ from the prepared scene only in the camera's place,
     /// direction, field of view, motion and time, and in the seed: everything else stays as it is loaded and built. What is quick to
-    /// compare is checked; files, materials, and what lights, sources and the sky are beyond their names, is not.
+    /// compare is checked; files, materials, and what lights and sources are beyond their names, is not.
     ///
     /// Cameras of one `Prepared` render one after the other: `retake` needs it for itself, and rendering uses all threads anyway.
     ///
     /// # Errors
     /// A picture of another size or with another number of samples; objects that differ in number, name, place or motion; other sources or
-    /// lights; other equations, effects, medium, background, quantity, spectra, bounces or back faces; a camera that [`Plan::new`] refuses;
-    /// and as [`Camera::new`].
+    /// lights, another sky, equations, effects and the like; a camera that [`Plan::new`] refuses; and as [`Camera::new`].
     pub fn retake(&mut self, scene: &Scene) -> Result<()> {
-        self.fixed.check(scene, PREPARED)?;
+        check_same(&self.of, scene, PREPARED)?;
         check_size(scene, self.layout.size)?;
         let (had, has) = (self.layout.samples, scene.samples_per_pixel);
         if had != has && !self.layout.pixel_centers {

@@ -346,7 +346,8 @@ fn beam(cx: &Context, at: &At<file::Light>) -> Result<Beam> {
             let outer = light.outer.as_ref();
             // π/4 is the default of KHR_lights_punctual.
             let outer_angle = outer.map_or(FRAC_PI_2 / 2.0, |at| at.value.radians());
-            if !limits::is_cone(inner, outer_angle) {
+            // 90° may have been rounded up.
+            if !(0.0 <= inner && inner < outer_angle && outer_angle <= FRAC_PI_2 * (1.0 + 1e-12)) {
                 let at_span = outer
                     .or(light.inner.as_ref())
                     .map_or(&at.span, |at| &at.span);

@@ -7,7 +7,7 @@ use crate::colour::Continuation;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::limits::{self, LEAST_DIAMETER, MOST_STARS};
+use crate::scene::limits::MOST_STARS;
 use crate::scene::model::{Catalogue, Scene, Sky, SkyRadiance, Stars, Sun};
 use crate::scene::values::Vector;
 use crate::spacetime::Quantity;
@@ -103,7 +103,7 @@ fn sun(cx: &Context, sun: &file::Sun) -> Result<Sun> {
             None => [3.2, 3.0, 2.6],
         },
         // The sun's mean diameter as seen from the Earth.
-        radius: radius(cx, &sun.diameter, 0.533, limits::WIDEST_SUN)?,
+        radius: radius(cx, &sun.diameter, 0.533, 90.0)?,
     })
 }
 
@@ -119,7 +119,7 @@ fn stars(cx: &Context, stars: &file::Stars) -> Result<Stars> {
             None => random(cx, stars)?,
         },
         scale,
-        radius: radius(cx, &stars.diameter, 0.08, limits::WIDEST_STAR)?,
+        radius: radius(cx, &stars.diameter, 0.08, 10.0)?,
     })
 }
 
@@ -141,13 +141,17 @@ fn random(cx: &Context, stars: &file::Stars) -> Result<Catalogue> {
     })
 }
 
+/// A disc whose angular diameter is not above this, in radians, has a solid angle below 1e-18: rounding of directions would decide about it.
+const LEAST_DIAMETER: f64 = 1e-9;
+
 /// Half of an angular diameter, radians; `default` and `largest` in degrees.
 fn radius(cx: &Context, at: &Option<At<Angle>>, default: f64, largest: f64) -> Result<f64> {
     let Some(at) = at else {
         return Ok(0.5 * default.to_radians());
     };
     let diameter = at.value.radians();
-    if limits::is_diameter(diameter, largest) {
+    // The stated maximum may have been rounded up.
+    if diameter > LEAST_DIAMETER && diameter <= largest.to_radians() * (1.0 + 1e-12) {
         return Ok(0.5 * diameter);
     }
     let what = format!("an angular diameter of {} is out of range", at.value);

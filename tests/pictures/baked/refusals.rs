@@ -218,7 +218,7 @@ fn light_of_cubes_is_refused_where_it_would_be_left_out() {
              [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [1, 1] }} }}\n\
              [[object]]\nname = \"wall\"\nshape = {{ plane = {{ size = [1, 1] }} }}\ntransform = {{ translate = [0, 1, 0] }}\n\
              [[light]]\nposition = [0, 0.5, 0]\nemission = {{ gaussian = {{ sigma = \"5 cm\" }} }}\n\
-             [[source]]\nname = \"shown\"\nobjects = [\"wall\"]\ncube = {{ file = \"a.npy\", axes = \"H W T\", bin_width = \"1 m\", uv = 0 }}\n"
+             [[source]]\nname = \"shown\"\nobjects = [\"wall\"]\ncube = {{ file = \"a.npy\", bin_width = \"1 m\", uv = 0 }}\n"
         );
         let scene = stage::scene_in(folder.path(), &text);
         let surface = surface_cube(&scene, 0, [4, 4], &bins).err();

@@ -181,7 +181,7 @@ fn a_bake_that_is_taken_up_again_has_the_bits_of_one_that_was_not_stopped() {
 #[test]
 fn the_energy_is_that_of_the_cube_whatever_the_number_of_samples() {
     let mut scene = stage::scene(
-        "camera = { eye = [0, 1, 5], look_at = [0, 0, 0], size = [8, 6] }\n\
+        "camera = { eye = [0, 1, 5], look_at = [0, 0, 0], hfov = \"8 deg\", size = [8, 6] }\n\
          [[object]]\nname = \"floor\"\nshape = { plane = { size = [1, 1] } }\n\
          [[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { sigma = \"5 cm\" } }\n",
     );

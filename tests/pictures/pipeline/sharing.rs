@@ -149,37 +149,37 @@ fn another_picture_of_what_was_not_prepared_is_refused() {
         (
             text("", "", "medium = { index = 1.5 }\n"),
             "medium_index",
-            "medium",
+            "differs from the scene",
         ),
         (
             text("", "", "effects = { doppler = false }\n"),
             "effects",
-            "effects",
+            "differs from the scene",
         ),
         (
             text("", "", "model = \"paper2015\"\n"),
             "equations",
-            "equations",
+            "differs from the scene",
         ),
         (
             text("", "", "background = [1, 0, 0]\n"),
             "background",
-            "background",
+            "differs from the scene",
         ),
         (
             text("", "", "radiance = { quantity = \"photons\" }\n"),
             "quantity",
-            "quantity",
+            "differs from the scene",
         ),
         (
             text("", "", "render = { bounces = 2 }\n"),
             "bounces",
-            "bounces",
+            "differs from the scene",
         ),
         (
             text("", "[display]\nback_faces = \"culled\"\n", ""),
             "back_faces",
-            "back faces",
+            "differs from the scene",
         ),
         (
             text("", "[display]\nsamples_per_pixel = 9\n", ""),
@@ -189,9 +189,9 @@ fn another_picture_of_what_was_not_prepared_is_refused() {
         (
             text("", "[[light]]\nposition = [0, 3, 0]\n", ""),
             "light",
-            "other lights",
+            "differs from the scene",
         ),
-        (text("", "[sky]\n", ""), "sky", "another sky"),
+        (text("", "[sky]\n", ""), "sky", "differs from the scene"),
         (
             text(
                 "",
@@ -199,7 +199,7 @@ fn another_picture_of_what_was_not_prepared_is_refused() {
                 "",
             ),
             "source",
-            "other sources",
+            "differs from the scene",
         ),
     ];
     for (text, place, what) in cases {

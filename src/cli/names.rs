@@ -1,6 +1,7 @@
 //! File names for the pictures of one request, by frame number or panel name.
 
 use std::ffi::OsString;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use nullray::Result;
@@ -8,35 +9,50 @@ use nullray::Result;
 use super::builtin;
 use super::failure::refused;
 
-/// The placeholder for a number in a pattern.
-const PLACE: char = '#';
 /// Digits of a number without a pattern.
 const DIGITS: usize = 4;
 
-/// The name of frame `number`. The number replaces the run of # in `path`'s name, padded to its length; without one it goes before the
-/// extension: "name-0007.png".
+/// The name of frame `number`. The number replaces the run of # in `path`'s name, padded to its length, or %04d, padded as in C; without
+/// such a place it goes before the extension: "name-0007.png".
 pub fn numbered(path: &Path, number: u64) -> PathBuf {
-    let Some((name, [start, end])) = run(path) else {
-        return suffixed(path, &format!("{number:0DIGITS$}"));
-    };
-    let width = end - start;
-    let number = format!("{number:0width$}");
-    path.with_file_name(format!("{}{number}{}", &name[..start], &name[end..]))
+    let name = path.file_name().and_then(|name| name.to_str());
+    let name = name.unwrap_or_default();
+    match places(name).as_slice() {
+        [(place, width)] => {
+            let (before, after) = (&name[..place.start], &name[place.end..]);
+            path.with_file_name(format!("{before}{number:0width$}{after}"))
+        }
+        _ => suffixed(path, &format!("{number:0DIGITS$}")),
+    }
 }
 
-/// The file's name and the position of its only run of #; `None` if there is no run, or several.
-fn run(path: &Path) -> Option<(String, [usize; 2])> {
-    let name = path.file_name()?.to_str()?;
-    let start = name.find(PLACE)?;
-    let length = name[start..].chars().take_while(|c| *c == PLACE).count();
-    let end = start + length;
-    (!name[end..].contains(PLACE)).then(|| (name.to_string(), [start, end]))
+/// The places for a number in a name, a run of # or %04d each, and the least number of digits there.
+fn places(name: &str) -> Vec<(Range<usize>, usize)> {
+    let mut found: Vec<(Range<usize>, usize)> = Vec::new();
+    for (start, sign) in name.match_indices(['#', '%']) {
+        if found.last().is_some_and(|(place, _)| start < place.end) {
+            continue;
+        }
+        let rest = &name[start..];
+        let others = rest.trim_start_matches('#');
+        let hashes = rest.len() - others.len();
+        if sign == "#" {
+            found.push((start..start + hashes, hashes));
+        } else if let Some((width, _)) = rest[1..].split_once('d')
+            && width.len() <= 2
+            && width.bytes().all(|byte| byte.is_ascii_digit())
+        {
+            let end = start + 2 + width.len();
+            found.push((start..end, width.parse().unwrap_or(1)));
+        }
+    }
+    found
 }
 
-/// Refuses the name `path`, given by `option`, if it has several runs of #.
+/// Refuses the name `path`, given by `option`, if it has several places for a number.
 pub fn check_places(option: &str, path: &Path) -> Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    match name.contains(PLACE) && run(path).is_none() {
+    match places(&name).len() > 1 {
         true => Err(refused(
             format!("{option} {}", path.display()),
             "the name has several places for the number of a frame",
@@ -103,6 +119,12 @@ mod tests {
         assert_eq!(frame("a#/frame-####.exr", 7), "a#/frame-0007.exr");
         assert_eq!(frame("#.png", 12), "12.png");
         assert_eq!(frame("β###.final.png", 12), "β012.final.png");
+        // As in the names of a cube's pictures.
+        assert_eq!(frame("a%d/frame-%04d.exr", 7), "a%d/frame-0007.exr");
+        assert_eq!(frame("%d.png", 12), "12.png");
+        assert_eq!(frame("β%03d.50%.png", 12), "β012.50%.png");
+        assert_eq!(frame("50%.png", 12), "50%-0012.png");
+        assert_eq!(frame("a%0999d.png", 12), "a%0999d-0012.png");
     }
 
     #[test]

@@ -61,13 +61,15 @@ fn frames_are_numbered_absolutely_and_the_last_is_not_rendered() {
 }
 
 #[test]
-fn a_run_of_hashes_becomes_the_number() {
+fn a_run_of_hashes_or_a_place_as_in_c_becomes_the_number() {
     let folder = folder();
     let options = [
         "-o",
         "a-######.png",
         "-o",
         "#.exr",
+        "-o",
+        "c-%03d.png",
         "--isochrones",
         "t##.png",
     ];
@@ -81,6 +83,8 @@ fn a_run_of_hashes_becomes_the_number() {
             "9.exr",
             "a-000009.png",
             "a-000010.png",
+            "c-009.png",
+            "c-010.png",
             "t09.png",
             "t10.png"
         ]
@@ -370,12 +374,14 @@ fn names_that_meet_are_refused_before_any_work() {
 #[test]
 fn a_name_with_two_places_for_the_number_is_refused() {
     let folder = folder();
-    let options = [&FOUR[..], &["-o", "e-##-##.png"]].concat();
-    refused(
-        &folder,
-        &sequence(&options),
-        &["-o e-##-##.png", "several places", "one run of #"],
-    );
+    for name in ["e-##-##.png", "e-##-%d.png"] {
+        let options = [&FOUR[..], &["-o", name]].concat();
+        refused(
+            &folder,
+            &sequence(&options),
+            &[name, "several places", "one run of #"],
+        );
+    }
 }
 
 #[test]

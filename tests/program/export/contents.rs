@@ -12,9 +12,10 @@ use nullray::io::image;
 use nullray::mesh::{AlphaMode, Mesh};
 use nullray::render::aov::Aov;
 use nullray::render::metadata;
-use nullray::scene::Builder;
+use nullray::render::progress::Silent;
 use nullray::scene::model::{BadTextures, BadVertices};
-use nullray::validate::export::{BUNDLE_SCHEMA, Cubes, ExportOptions, README};
+use nullray::scene::{self, Builder, Overrides};
+use nullray::validate::export::{BUNDLE_SCHEMA, Cubes, ExportOptions, README, export};
 
 use super::{Exported, exported, exported_scene, exported_with};
 
@@ -458,4 +459,29 @@ fn a_bundle_says_which_of_several_captures_counts() {
         let exported = exported(&format!("{SMALL}{keys}"));
         assert_eq!(exported.bundle.json["scene"]["captures"], expected);
     }
+}
+
+#[test]
+fn a_warning_about_a_file_that_objects_share_is_given_once() {
+    let models = tempfile::tempdir().unwrap();
+    let source = models.path().join("x.png");
+    image::png::write(&source, 2, 1, &[255, 0, 0, 0, 255, 0], &[]).unwrap();
+    let used = "{\"extensionsUsed\":[\"ACME_fur\"],";
+    fs::write(
+        models.path().join("quad.gltf"),
+        textured().replacen('{', used, 1),
+    )
+    .unwrap();
+    let object = "[[object]]\ngltf = \"quad.gltf\"\n";
+    let text = format!(
+        "camera = {{ eye = [0, 0, 2], look_at = [0, 0, 0], size = [8, 6] }}\n{object}{object}"
+    );
+    let scene = scene::parse(&text, "test", models.path(), &Overrides::default()).unwrap();
+    let target = models.path().join("bundle");
+    let done = export(&scene, &target, &ExportOptions::default(), &Silent).unwrap();
+    let about = done
+        .warnings
+        .iter()
+        .filter(|text| text.contains("ACME_fur"));
+    assert_eq!(about.count(), 1, "{:?}", done.warnings);
 }

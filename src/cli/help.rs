@@ -215,14 +215,14 @@ pub fn render_long() -> String {
 
 const SEQUENCES: &str = "
 Sequences: --frames, or --from and --to, write one picture per frame. A run of # in the file name \
-(\"frame-####.png\") is replaced by the frame number; without one the number goes before the extension. Frame k is \
+(\"frame-####.png\"), or %04d as in C, is replaced by the frame number; without one the number goes before the extension. Frame k is \
 numbered k whatever part of the sequence is rendered, so two machines can render 0..50 and 50..100 of the same \
 sequence. Frames whose files are already complete, from the same version, scene and options, are skipped: to \
 resume after an interruption, run the same command again.
 
 Films: -o FILE.apng (animated PNG) or FILE.y4m (raw video: 8-bit YCbCr 4:4:4, BT.709, limited range; - for standard output) joins \
-the frames of a sequence, --play-fps of them a second. Unless -o also names a .png, the frames are kept in FILE.frames \
-until the film is complete, so that it can be resumed.
+the frames of a sequence, --play-fps of them a second. Standard output gets picture by picture, and no messages; warnings go to standard error. Unless -o also \
+names a .png, the frames of a file are kept in FILE.frames until the film is complete, so that it can be resumed.
 
 Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name added before the \
 extension. With a single --panel and -o, the file name is used as given.";

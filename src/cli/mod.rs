@@ -47,6 +47,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use clap::Parser;
@@ -133,8 +134,24 @@ fn with_short_lines(text: &str) -> String {
     lines.collect()
 }
 
+/// Whether a film goes to standard output.
+static CARRIES_FILM: AtomicBool = AtomicBool::new(false);
+
+/// Keeps standard output free for a film: from now on messages are not written, and results that options request go to standard error.
+fn keep_for_film() {
+    CARRIES_FILM.store(true, Ordering::Relaxed);
+}
+
+fn carries_film() -> bool {
+    CARRIES_FILM.load(Ordering::Relaxed)
+}
+
 /// Prints `text` on standard output. A closed pipe ("nullray info … | head") is not an error: the work continues.
 fn print(text: &str) -> Result<()> {
+    if carries_film() {
+        complain(text);
+        return Ok(());
+    }
     write_to(io::stdout().lock(), &harmless(text))
 }
 
@@ -152,9 +169,12 @@ fn write_to(mut out: impl Write, text: &str) -> Result<()> {
     }
 }
 
-/// Prints `text` unless `quiet`.
+/// Prints `text` unless `quiet`, or unless a film goes to standard output.
 fn say(quiet: bool, text: &str) -> Result<()> {
-    if quiet { Ok(()) } else { print(text) }
+    match quiet || carries_film() {
+        true => Ok(()),
+        false => print(text),
+    }
 }
 
 /// Writes warnings to standard error unless `quiet`, each once: a model is loaded to frame it, to expose it, and to render it.

@@ -54,7 +54,7 @@ pub fn run(mut arguments: FilmArguments) -> Result<()> {
     if arguments.output.is_empty() {
         arguments.output = vec![named_after(arguments.scene.path(), ".apng")];
     }
-    arguments.work.quiet.on |= arguments.output.iter().any(|path| reel::is_pipe(path));
+    reel::keep_pipe(&arguments.output);
     let overrides = arguments.changes.overrides();
     let file = builtin::open(
         arguments.scene.path(),
@@ -412,36 +412,20 @@ fn film(
     };
     let folder = Folder::of(&arguments.output)?;
     let request = arguments.changes.request(arguments.work.threads.count);
-    // Pictures of all takes are first written to the folder; existing ones are not rendered again.
-    let mut fingerprints = Vec::new();
-    for take in takes {
-        let outputs = Outputs {
-            images: vec![folder.pattern(take.name)],
-            ..Outputs::default()
-        };
-        let job = Job {
-            changes: &arguments.changes,
-            // With the searchlight effect, one place at many speeds is too dark or too bright for one exposure.
-            same_exposure: arguments
-                .exposure
-                .is_same(arguments.motion.speeds.is_none()),
-            quiet: arguments.work.quiet.on,
-            file,
-            scene,
-            frames: &take.frames,
-            request: &request,
-            outputs: &outputs,
-            can_resume: folder.stays(),
-        };
-        fingerprints.push(frames::run(&job, None)?);
-    }
-    // Then they are put side by side, one picture of the film at a time.
-    let picture = |k: u64| {
+    let reel = Reel {
+        films: &arguments.output,
+        count,
+        fps: arguments.fps,
+        metadata: &metadata::of_text(&scene.name, &scene.text),
+        quiet: arguments.work.quiet.on,
+    };
+    // Pictures are put side by side, one picture of the film at a time.
+    let picture = |k: u64, fingerprints: &[&str]| {
         let mut panels = Vec::new();
-        for (take, fingerprints) in takes.iter().zip(&fingerprints) {
+        for (take, fingerprint) in takes.iter().zip(fingerprints) {
             let path = numbered(&folder.pattern(take.name), k);
             panels.push(Panel {
-                picture: reel::read(&path, &fingerprints[k as usize])?,
+                picture: reel::read(&path, fingerprint)?,
                 label: label(arguments, scene, take, k),
                 new_row: false,
             });
@@ -466,14 +450,46 @@ fn film(
             .map(reel::even),
         }
     };
-    let reel = Reel {
-        films: &arguments.output,
-        count,
-        fps: arguments.fps,
-        metadata: &metadata::of_text(&scene.name, &scene.text),
-        quiet: arguments.work.quiet.on,
-    };
-    reel.write(picture)?;
+    let mut stream = reel.stream(arguments.output.len() == 1);
+    // Pictures of all takes are first written to the folder; existing ones are not rendered again.
+    let mut fingerprints: Vec<Vec<String>> = Vec::new();
+    for take in takes {
+        let outputs = Outputs {
+            images: vec![folder.pattern(take.name)],
+            ..Outputs::default()
+        };
+        let job = Job {
+            changes: &arguments.changes,
+            // With the searchlight effect, one place at many speeds is too dark or too bright for one exposure.
+            same_exposure: arguments
+                .exposure
+                .is_same(arguments.motion.speeds.is_none()),
+            quiet: arguments.work.quiet.on,
+            file,
+            scene,
+            frames: &take.frames,
+            request: &request,
+            outputs: &outputs,
+            can_resume: folder.stays(),
+        };
+        let made = frames::run(&job, None, &mut |k, fingerprint| {
+            let others = fingerprints.iter().map(|all| all[k as usize].as_str());
+            let all: Vec<&str> = others.chain([fingerprint]).collect();
+            // Complete with the last of the takes.
+            match all.len() == takes.len() {
+                true => stream.send(|| picture(k, &all)),
+                false => Ok(()),
+            }
+        });
+        let Some(made) = reel::unless_closed(made)? else {
+            return Ok(());
+        };
+        fingerprints.push(made);
+    }
+    reel.write(|k| {
+        let of_picture = fingerprints.iter().map(|all| all[k as usize].as_str());
+        picture(k, &of_picture.collect::<Vec<_>>())
+    })?;
     folder.remove();
     Ok(())
 }

@@ -99,7 +99,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
         outputs: &outputs,
         can_resume: true,
     };
-    let fingerprints = frames::run(&job, None)?;
+    let fingerprints = frames::run(&job, None, &mut |_, _| Ok(()))?;
     let files = frames.numbers.clone().map(|k| numbered(&pattern, k));
     // Base 64 uses four characters for three bytes. Files that are too large are not read.
     let bytes = files

@@ -5,7 +5,7 @@
 //! film beside it.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, ErrorKind, Stdout, Write};
 use std::path::{Path, PathBuf};
 
 use nullray::figures::drawing::png::RgbaImage;
@@ -20,7 +20,7 @@ use tempfile::TempDir;
 use super::check::{Names, by_ffmpeg, unknown_format};
 use super::failure::refused;
 use super::output::{Identity, extension};
-use super::{inputs, interrupt, memory, say};
+use super::{inputs, interrupt, keep_for_film, memory, say};
 
 /// The name of a film that goes to standard output.
 const PIPE: &str = "-";
@@ -43,6 +43,13 @@ pub fn is_film(path: &Path) -> bool {
 /// Whether an output of this name is standard output.
 pub fn is_pipe(path: &Path) -> bool {
     path.as_os_str() == PIPE
+}
+
+/// Keeps standard output free for the film among `outputs` that goes there, if there is one.
+pub fn keep_pipe(outputs: &[PathBuf]) {
+    if outputs.iter().any(|path| is_pipe(path)) {
+        keep_for_film();
+    }
 }
 
 /// Refuses names that are not films, and outputs that could not be written or would overwrite one of the files `read`.
@@ -122,11 +129,11 @@ impl Folder {
     /// The folder of the first of `films` that is a file, or a temporary one.
     pub fn of(films: &[PathBuf]) -> Result<Folder> {
         let Some(film) = films.iter().find(|path| !is_pipe(path)) else {
-            let made = tempfile::tempdir();
             let failed = "cannot make a folder for the pictures of the film";
-            return made
-                .map(Folder::Passing)
-                .map_err(temporary::in_directory(failed));
+            let made = tempfile::tempdir().map_err(temporary::in_directory(failed))?;
+            // A reader that takes no more pictures must not keep it when the work is stopped.
+            temporary::note(made.path());
+            return Ok(Folder::Passing(made));
         };
         let mut name = film.file_name().unwrap_or_default().to_os_string();
         name.push(ENDING);
@@ -261,20 +268,27 @@ pub fn even(picture: RgbImage) -> RgbImage {
     RgbImage { width, height, rgb }
 }
 
-/// Calls `write` to write a film to a file, or to standard output, where a closed pipe ("| head") is the end and not an error.
-pub fn pipe_or_save(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+/// Calls `write` with the name and the writer of a film: a file, or standard output, where a closed pipe is the end and not an error.
+pub fn pipe_or_save(
+    path: &Path,
+    write: impl FnOnce(&Path, &mut dyn Write) -> Result<()>,
+) -> Result<()> {
     if !is_pipe(path) {
-        return write_atomically(path, |file| write(file));
+        return write_atomically(path, |file| write(path, file));
     }
-    let mut out = BufWriter::new(io::stdout().lock());
-    match write(&mut out).and_then(|()| out.flush().map_err(Error::io(STDOUT, "cannot write"))) {
-        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::BrokenPipe => {
-            // The reader has closed the pipe: the buffered rest is discarded.
-            drop(out.into_parts());
-            Ok(())
-        }
-        done => done,
+    unless_closed(write(STDOUT.as_ref(), &mut io::stdout().lock())).map(drop)
+}
+
+/// The result of work on a film; `None` if it ended because its reader has closed the pipe ("| head").
+pub fn unless_closed<T>(done: Result<T>) -> Result<Option<T>> {
+    match done {
+        Err(error) if is_closed(&error) => Ok(None),
+        done => done.map(Some),
     }
+}
+
+fn is_closed(error: &Error) -> bool {
+    matches!(error, Error::Io { source, .. } if source.kind() == ErrorKind::BrokenPipe)
 }
 
 /// The settings with which films are written.
@@ -290,16 +304,26 @@ pub struct Reel<'a> {
 }
 
 impl Reel<'_> {
-    /// Writes all films, from the pictures that `picture` returns for each number from 0.
+    /// The film that goes to standard output, if one does; whether it is the only output.
+    pub fn stream(&self, is_alone: bool) -> Stream<'_> {
+        Stream {
+            reel: self,
+            film: None,
+            is_open: self.films.iter().any(|film| is_pipe(film)),
+            is_alone,
+        }
+    }
+
+    /// Writes all films that are files, from the pictures that `picture` returns for each number from 0.
     pub fn write(&self, mut picture: impl FnMut(u64) -> Result<RgbImage>) -> Result<()> {
-        for film in self.films {
+        for film in self.films.iter().filter(|film| !is_pipe(film)) {
             let kind = match extension(film).as_str() {
                 "apng" => Kind::Apng,
                 _ => Kind::Y4m,
             };
             let mut size = [0; 2];
-            pipe_or_save(film, |out| {
-                size = self.film(out, kind, &mut picture)?;
+            write_atomically(film, |out| {
+                size = self.film(film, out, kind, &mut picture)?;
                 Ok(())
             })?;
             let [width, height] = size;
@@ -314,17 +338,17 @@ impl Reel<'_> {
 
     fn film(
         &self,
+        name: &Path,
         out: impl Write,
         kind: Kind,
         picture: &mut impl FnMut(u64) -> Result<RgbImage>,
     ) -> Result<[u32; 2]> {
         let first = picture(0)?;
         let size = [first.width, first.height];
-        let count = u32::try_from(self.count).unwrap_or(u32::MAX);
-        let delay = Delay::of_rate(self.fps)?;
+        let (count, delay) = (self.pictures(), Delay::of_rate(self.fps)?);
         let mut film = match kind {
-            Kind::Apng => FilmWriter::apng(out, size, count, delay, self.metadata)?,
-            Kind::Y4m => FilmWriter::y4m(out, size, count, delay)?,
+            Kind::Apng => FilmWriter::apng(name, out, size, count, delay, self.metadata)?,
+            Kind::Y4m => FilmWriter::y4m(name, out, size, count, delay)?,
         };
         film.picture(&first)?;
         for number in 1..self.count {
@@ -333,6 +357,53 @@ impl Reel<'_> {
         }
         film.finish()?;
         Ok(size)
+    }
+
+    fn pictures(&self) -> u32 {
+        u32::try_from(self.count).unwrap_or(u32::MAX)
+    }
+}
+
+/// A film on its way to standard output, where each picture goes as soon as it is made.
+pub struct Stream<'a> {
+    reel: &'a Reel<'a>,
+    /// `None` before the first picture.
+    film: Option<FilmWriter<Stdout>>,
+    /// Whether somebody reads it.
+    is_open: bool,
+    is_alone: bool,
+}
+
+impl Stream<'_> {
+    /// Sends the next picture, if somebody reads the film.
+    ///
+    /// # Errors
+    /// Those of `picture` and of writing. A closed pipe is one, to end the work, if there is no other output.
+    pub fn send(&mut self, picture: impl FnOnce() -> Result<RgbImage>) -> Result<()> {
+        if !self.is_open {
+            return Ok(());
+        }
+        match self.write(&picture()?) {
+            Err(error) if is_closed(&error) && !self.is_alone => {
+                self.is_open = false;
+                Ok(())
+            }
+            sent => sent,
+        }
+    }
+
+    fn write(&mut self, picture: &RgbImage) -> Result<()> {
+        let film = match &mut self.film {
+            Some(film) => film,
+            None => {
+                let size = [picture.width, picture.height];
+                let delay = Delay::of_rate(self.reel.fps)?;
+                let (count, out) = (self.reel.pictures(), io::stdout());
+                let film = FilmWriter::y4m(STDOUT.as_ref(), out, size, count, delay)?;
+                self.film.insert(film)
+            }
+        };
+        film.picture(picture)
     }
 }
 

@@ -33,8 +33,10 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         .into_iter()
         .partition(|path| reel::is_film(path));
     arguments.output = images;
-    arguments.work.quiet.on |= films.iter().any(|path| reel::is_pipe(path));
     let arguments = &arguments;
+    if !arguments.print_scene {
+        reel::keep_pipe(&films);
+    }
     let overrides = arguments.changes.overrides();
     let (file, model) = file(arguments, &overrides, &films)?;
     if let Some(Model::Flashed(flash)) = &model {
@@ -197,7 +199,7 @@ impl Film<'_> {
     /// Renders the sequence, and puts the films together from its pictures.
     fn make(&self, job: &Job, account: Option<&mut Account>) -> Result<()> {
         if self.films.is_empty() {
-            return frames::run(job, account).map(drop);
+            return frames::run(job, account, &mut |_, _| Ok(())).map(drop);
         }
         let plan = Plan::new(job.scene, job.request)?;
         reel::check(self.films, &inputs::of(job.scene, &plan))?;
@@ -218,14 +220,6 @@ impl Film<'_> {
         if kept.is_none() {
             outputs.images.push(pattern.clone());
         }
-        let fingerprints = frames::run(
-            &Job {
-                outputs: &outputs,
-                can_resume: folder.as_ref().is_none_or(Folder::stays),
-                ..*job
-            },
-            account,
-        )?;
         let numbers = job.frames.numbers.clone();
         let name = |k: u64| numbered(&pattern, numbers.start + k);
         let reel = Reel {
@@ -235,7 +229,23 @@ impl Film<'_> {
             metadata: &metadata::of_text(&job.scene.name, &job.scene.text),
             quiet: job.quiet,
         };
-        reel.write(|k| reel::read(&name(k), &fingerprints[k as usize]))?;
+        let picture = |k: u64, fingerprint: &str| reel::read(&name(k), fingerprint);
+        // Work whose only reader has gone ends.
+        let is_alone = self.films.len() == 1 && job.outputs.paths().next().is_none();
+        let mut stream = reel.stream(is_alone);
+        let made = frames::run(
+            &Job {
+                outputs: &outputs,
+                can_resume: folder.as_ref().is_none_or(Folder::stays),
+                ..*job
+            },
+            account,
+            &mut |k, fingerprint| stream.send(|| picture(k, fingerprint)),
+        );
+        let Some(fingerprints) = reel::unless_closed(made)? else {
+            return Ok(());
+        };
+        reel.write(|k| picture(k, &fingerprints[k as usize]))?;
         if let Some(folder) = folder {
             folder.remove();
         }

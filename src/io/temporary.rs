@@ -134,6 +134,11 @@ pub fn in_directory(action: &str) -> impl Fn(io::Error) -> Error {
     }
 }
 
+/// Notes a directory that this process has made otherwise, for [`remove_all`].
+pub fn note(directory: &Path) {
+    live().insert(directory.into());
+}
+
 /// Removes what this process has in the making: for when it is about to exit without unwinding.
 pub fn remove_all() {
     live().iter().for_each(|path| remove(path));

@@ -29,10 +29,9 @@ pub struct Output {
     kind: String,
 }
 
-pub fn run(mut arguments: DiagramArguments) -> Result<()> {
-    // Pictures and messages do not share standard output.
-    arguments.quiet.on |= arguments.output.iter().any(|path| reel::is_pipe(path));
+pub fn run(arguments: DiagramArguments) -> Result<()> {
     let arguments = &arguments;
+    reel::keep_pipe(&arguments.output);
     let outputs = outputs(arguments)?;
     check_boost(arguments, &outputs)?;
     check_speed(arguments, &outputs)?;

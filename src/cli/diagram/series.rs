@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use nullray::figures::diagram::Series;
 use nullray::figures::diagram::model::Diagram;
@@ -98,7 +98,9 @@ fn animate(pages: &Pages, series: Series, output: &Output, frames: &Range<u64>) 
     });
     let delay = Delay::of_rate(fps)?;
     if output.kind == "y4m" {
-        reel::pipe_or_save(path, |out| video(out, count as u32, rasters, delay))?;
+        reel::pipe_or_save(path, |name, out| {
+            video(name, out, count as u32, rasters, delay)
+        })?;
     } else {
         drawing::save(path, apng::write(count as u32, rasters, delay)?)?;
     }
@@ -110,6 +112,7 @@ fn animate(pages: &Pages, series: Series, output: &Output, frames: &Range<u64>) 
 
 /// The pictures as raw video.
 fn video(
+    name: &Path,
     out: &mut dyn Write,
     count: u32,
     mut rasters: impl Iterator<Item = Result<RgbaImage>>,
@@ -119,7 +122,7 @@ fn video(
         return Ok(());
     };
     let first = reel::even(reel::opaque(&first?));
-    let mut film = FilmWriter::y4m(out, [first.width, first.height], count, delay)?;
+    let mut film = FilmWriter::y4m(name, out, [first.width, first.height], count, delay)?;
     film.picture(&first)?;
     for raster in rasters {
         film.picture(&reel::even(reel::opaque(&raster?)))?;

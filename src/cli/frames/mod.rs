@@ -46,8 +46,13 @@ pub struct Job<'a> {
     pub can_resume: bool,
 }
 
-/// Renders the frames of a scene, and returns the fingerprints of their display pictures, in order.
-pub fn run(job: &Job, account: Option<&mut Account>) -> Result<Vec<String>> {
+/// Renders the frames of a scene, and returns the fingerprints of their display pictures, in order. As soon as the files of a frame
+/// exist, `ready` gets its index from 0 and its fingerprint.
+pub fn run(
+    job: &Job,
+    account: Option<&mut Account>,
+    ready: &mut dyn FnMut(u64, &str) -> Result<()>,
+) -> Result<Vec<String>> {
     let Job {
         scene,
         frames,
@@ -86,6 +91,8 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<Vec<String>> {
         white: None,
         unwritten: None,
         fingerprints: Vec::new(),
+        passed_on: 0,
+        ready,
     };
     // A sequence that extends beyond the camera's motion is not started.
     if let Some(last) = frames.numbers.clone().last() {
@@ -102,9 +109,8 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<Vec<String>> {
         sequence.frame(number)
     });
     // Even if the rest was abandoned: rendered frames are kept.
-    let written = Unwritten::write(sequence.unwritten.take());
-    rendered?;
-    sequence.say_each(&written?)?;
+    let written = sequence.write_last();
+    rendered.and(written)?;
     sequence.conclude()?;
     Ok(sequence.fingerprints)
 }
@@ -131,6 +137,9 @@ struct Sequence<'a> {
     unwritten: Option<Unwritten>,
     /// Those of the display pictures of the frames so far.
     fingerprints: Vec<String>,
+    /// The number of frames that were passed on to `ready`.
+    passed_on: usize,
+    ready: &'a mut dyn FnMut(u64, &str) -> Result<()>,
 }
 
 /// A rendered frame that is not yet written.
@@ -142,16 +151,14 @@ struct Unwritten {
 }
 
 impl Unwritten {
-    /// Writes the files of the frame, if there is one; returns what to print for each.
-    fn write(frame: Option<Unwritten>) -> Result<Vec<String>> {
+    /// Writes the files of the frame; returns what to print for each.
+    fn write(self) -> Result<Vec<String>> {
         let mut lines = Vec::new();
-        if let Some(frame) = frame {
-            let times = frame.times.as_ref();
-            (frame.outputs).write_each(&frame.scene, &frame.film, times, |line| {
-                lines.push(line);
-                Ok(())
-            })?;
-        }
+        let times = self.times.as_ref();
+        (self.outputs).write_each(&self.scene, &self.film, times, |line| {
+            lines.push(line);
+            Ok(())
+        })?;
         Ok(lines)
     }
 }
@@ -192,8 +199,9 @@ impl Sequence<'_> {
         // In long sequences a line for each frame adds nothing to the count at the end.
         let quiet = self.job.quiet || self.is_long();
         if existing::all(&outputs) {
+            self.write_last()?;
             self.done.skipped += 1;
-            return say(quiet, &format!("frame {number} exists already\n"));
+            return self.pass_on(&[format!("frame {number} exists already\n")]);
         }
         let film = self.film(&scene, number)?;
         let times = match &mut self.prepared {
@@ -220,13 +228,24 @@ impl Sequence<'_> {
             self.unwritten = Some(frame);
             return Ok(());
         }
-        self.say_each(&Unwritten::write(Some(frame))?)
+        self.pass_on(&frame.write()?)
     }
 
-    /// Reports which files were written, except for long sequences.
-    fn say_each(&self, lines: &[String]) -> Result<()> {
+    /// Writes the last frame, if it is not yet written.
+    fn write_last(&mut self) -> Result<()> {
+        match self.unwritten.take() {
+            Some(frame) => self.pass_on(&frame.write()?),
+            None => Ok(()),
+        }
+    }
+
+    /// Reports the files of the next frame in `lines`, except for long sequences, and passes it on.
+    fn pass_on(&mut self, lines: &[String]) -> Result<()> {
         let quiet = self.job.quiet || self.is_long();
-        lines.iter().try_for_each(|line| say(quiet, line))
+        lines.iter().try_for_each(|line| say(quiet, line))?;
+        let index = self.passed_on;
+        self.passed_on += 1;
+        (self.ready)(index as u64, &self.fingerprints[index])
     }
 
     fn is_long(&self) -> bool {
@@ -348,10 +367,12 @@ impl Sequence<'_> {
         prepared.retake_on_film(scene, plan)?;
         let (film, written) = rayon::join(
             || film::picture(prepared, method, &bar, account),
-            || Unwritten::write(unwritten),
+            || unwritten.map(Unwritten::write),
         );
         drop(bar);
-        self.say_each(&written?)?;
+        if let Some(lines) = written {
+            self.pass_on(&lines?)?;
+        }
         let film = film?;
         interrupt::check()?;
         self.done.rendered_in += start.elapsed().as_secs_f64();

@@ -36,7 +36,8 @@ pub fn write(
         Error::invalid("film", "", format!("cannot be written as PNG: {error}"), "")
     })?;
     let size = [first.width, first.height];
-    let mut film = FilmWriter::animated(encoder, size, 4, count, delay)?;
+    // Errors of the file are those of its own writing.
+    let mut film = FilmWriter::animated("film".as_ref(), encoder, size, 4, count, delay)?;
     film.pixels(size, &first.rgba)?;
     for frame in frames {
         let frame = frame?;

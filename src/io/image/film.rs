@@ -14,10 +14,12 @@
 //! Sources: ITU-R BT.709-6, 3; yuv4mpeg(5) of the MJPEG tools; the PNG specification, third edition, 11.3.6.
 
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use ::png::{BlendOp, ColorType, DisposeOp, Encoder, EncodingError};
 
 use super::RgbImage;
+use super::file::write_failed;
 use super::png::encoder;
 use crate::error::{Error, Result, number};
 
@@ -90,6 +92,8 @@ fn best_fraction(x: f64) -> [u16; 2] {
 /// A film being written.
 pub struct FilmWriter<W: Write> {
     format: Format<W>,
+    /// For errors.
+    name: PathBuf,
     size: [u32; 2],
     /// Bytes per pixel.
     samples: usize,
@@ -104,12 +108,13 @@ enum Format<W: Write> {
 }
 
 impl<W: Write> FilmWriter<W> {
-    /// An animated PNG of `count` pictures of this size, which repeats for ever. `text` entries become text chunks, like those of
-    /// [`png::write`](super::png::write()).
+    /// An animated PNG of `count` pictures of this size, which repeats for ever; errors of `writer` are those of the file `name`. `text`
+    /// entries become text chunks, like those of [`png::write`](super::png::write()).
     ///
     /// # Errors
     /// A size, a count or a denominator of 0, keys that PNG cannot store, and I/O errors.
     pub fn apng(
+        name: &Path,
         writer: W,
         size: [u32; 2],
         count: u32,
@@ -119,13 +124,14 @@ impl<W: Write> FilmWriter<W> {
         let mut encoder = encoder(writer, size, ColorType::Rgb);
         for (key, value) in text {
             let text = encoder.add_itxt_chunk(key.clone(), value.clone());
-            text.map_err(failure)?;
+            text.map_err(|error| failure(name, error))?;
         }
-        Self::animated(encoder, size, 3, count, delay)
+        Self::animated(name, encoder, size, 3, count, delay)
     }
 
     /// The animated PNG of `encoder`, whose pictures have `samples` bytes per pixel.
     pub(crate) fn animated(
+        name: &Path,
         mut encoder: Encoder<'_, W>,
         size: [u32; 2],
         samples: usize,
@@ -140,10 +146,12 @@ impl<W: Write> FilmWriter<W> {
             encoder.set_dispose_op(DisposeOp::None)?;
             encoder.set_blend_op(BlendOp::Source)
         };
-        set_up().map_err(failure)?;
-        let writer = encoder.write_header().map_err(failure)?;
+        let failed = |error| failure(name, error);
+        set_up().map_err(failed)?;
+        let writer = encoder.write_header().map_err(failed)?;
         Ok(FilmWriter {
             format: Format::Apng(Box::new(writer)),
+            name: name.into(),
             size,
             samples,
             count,
@@ -151,11 +159,17 @@ impl<W: Write> FilmWriter<W> {
         })
     }
 
-    /// Raw video of `count` pictures of this size.
+    /// Raw video of `count` pictures of this size; errors of `writer` are those of the file `name`.
     ///
     /// # Errors
     /// A size, a count or a denominator of 0, and I/O errors.
-    pub fn y4m(mut writer: W, size: [u32; 2], count: u32, delay: Delay) -> Result<Self> {
+    pub fn y4m(
+        name: &Path,
+        mut writer: W,
+        size: [u32; 2],
+        count: u32,
+        delay: Delay,
+    ) -> Result<Self> {
         checked(size, count, delay)?;
         let [width, height] = size;
         // The header contains the rate, the reciprocal of the delay.
@@ -164,9 +178,10 @@ impl<W: Write> FilmWriter<W> {
             writer,
             "YUV4MPEG2 W{width} H{height} F{numerator}:{denominator} Ip A1:1 C444 XCOLORRANGE=LIMITED"
         )
-        .map_err(unwritten)?;
+        .map_err(write_failed(name))?;
         Ok(FilmWriter {
             format: Format::Y4m(writer),
+            name: name.into(),
             size,
             samples: 3,
             count,
@@ -174,7 +189,7 @@ impl<W: Write> FilmWriter<W> {
         })
     }
 
-    /// Writes the next picture.
+    /// Writes the next picture; raw video is also flushed, for a reader that shows it at once.
     ///
     /// # Errors
     /// Another size than the film's, more pictures than announced, and I/O errors.
@@ -198,11 +213,17 @@ impl<W: Write> FilmWriter<W> {
             ));
         }
         self.done += 1;
+        let name = &self.name;
         match &mut self.format {
-            Format::Apng(writer) => writer.write_image_data(pixels).map_err(failure),
+            Format::Apng(writer) => {
+                let written = writer.write_image_data(pixels);
+                written.map_err(|error| failure(name, error))
+            }
             Format::Y4m(writer) => {
-                writer.write_all(b"FRAME\n").map_err(unwritten)?;
-                writer.write_all(&planes(pixels)).map_err(unwritten)
+                let mut frame = b"FRAME\n".to_vec();
+                frame.extend(planes(pixels));
+                let written = writer.write_all(&frame).and_then(|()| writer.flush());
+                written.map_err(write_failed(name))
             }
         }
     }
@@ -217,8 +238,8 @@ impl<W: Write> FilmWriter<W> {
             return Err(wrong(&what, "as many as announced"));
         }
         match self.format {
-            Format::Apng(writer) => writer.finish().map_err(failure),
-            Format::Y4m(mut writer) => writer.flush().map_err(unwritten),
+            Format::Apng(writer) => writer.finish().map_err(|error| failure(&self.name, error)),
+            Format::Y4m(mut writer) => writer.flush().map_err(write_failed(&self.name)),
         }
     }
 }
@@ -259,13 +280,9 @@ fn wrong(what: &str, help: &str) -> Error {
     Error::invalid("film", "", what, help)
 }
 
-fn unwritten(error: std::io::Error) -> Error {
-    Error::io("film", "cannot write")(error)
-}
-
-fn failure(error: EncodingError) -> Error {
+fn failure(name: &Path, error: EncodingError) -> Error {
     match error {
-        EncodingError::IoError(error) => unwritten(error),
+        EncodingError::IoError(error) => write_failed(name)(error),
         other => wrong(&format!("cannot be written as PNG: {other}"), ""),
     }
 }
@@ -304,7 +321,7 @@ mod tests {
         let rgb = [255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 0, 255];
         let mut file = Vec::new();
         let delay = Delay::of_rate(25.0).unwrap();
-        let mut film = FilmWriter::y4m(&mut file, [4, 1], 1, delay).unwrap();
+        let mut film = FilmWriter::y4m("a.y4m".as_ref(), &mut file, [4, 1], 1, delay).unwrap();
         film.picture(&RgbImage {
             width: 4,
             height: 1,
@@ -330,7 +347,8 @@ mod tests {
             rgb: vec![7; 3 * width as usize],
         };
         let delay = Delay::of_rate(10.0).unwrap();
-        let film = |count| FilmWriter::apng(Vec::new(), [2, 1], count, delay, &[]);
+        let name = Path::new("a.apng");
+        let film = |count| FilmWriter::apng(name, Vec::new(), [2, 1], count, delay, &[]);
         assert!(film(0).is_err());
         let mut two = film(2).unwrap();
         assert!(two.picture(&picture(3)).is_err());
@@ -340,5 +358,27 @@ mod tests {
         one.picture(&picture(2)).unwrap();
         assert!(one.picture(&picture(2)).is_err());
         one.finish().unwrap();
+    }
+
+    #[test]
+    fn an_error_of_writing_names_the_file() {
+        // A disk with room for 600 bytes: the beginnings of both formats, and less than a picture.
+        let name = Path::new("there/a.film");
+        let said = |film: &mut FilmWriter<&mut [u8]>| {
+            let picture = RgbImage {
+                width: 64,
+                height: 64,
+                rgb: (0..3 * 64 * 64u32).map(|k| (k * k / 7) as u8).collect(),
+            };
+            film.picture(&picture).unwrap_err().to_string()
+        };
+        let delay = Delay::of_rate(10.0).unwrap();
+        let (mut one, mut other) = ([0; 600], [0; 600]);
+        let raw = FilmWriter::y4m(name, &mut one[..], [64, 64], 1, delay);
+        let animated = FilmWriter::apng(name, &mut other[..], [64, 64], 1, delay, &[]);
+        for film in [raw, animated] {
+            let said = said(&mut film.unwrap());
+            assert!(said.contains("there/a.film"), "{said}");
+        }
     }
 }

@@ -603,3 +603,90 @@ fn a_film_of_the_slowest_acceleration_goes_all_the_way() {
         assert_near(frame, &still, 2);
     }
 }
+
+#[test]
+fn a_film_goes_to_a_pipe_picture_by_picture_and_ends_with_its_reader() {
+    use std::io::Read;
+    use std::process::Stdio;
+
+    let folder = folder();
+    let arguments = sequence(&["--frames", "0..2000", "--interval", "1 mm", "-o", "-"]);
+    let mut command = folder.command(&arguments);
+    let pictures = tempfile::tempdir().unwrap();
+    command.env("TMPDIR", pictures.path());
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    let mut pipe = child.stdout.take().unwrap();
+    let header = "YUV4MPEG2 W12 H9 F24:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
+    let mut start = vec![0; header.len() + 6 + 3 * 12 * 9];
+    pipe.read_exact(&mut start).unwrap();
+    assert!(start.starts_with(header.as_bytes()));
+    // Pipes hold some hundreds of them.
+    let parts = std::fs::read_dir(pictures.path()).unwrap();
+    let made = parts.map(|part| std::fs::read_dir(part.unwrap().path()).unwrap().count());
+    let made = made.sum::<usize>();
+    assert!(made > 0 && made < 1000, "{made}");
+    drop(pipe);
+    assert!(child.wait().unwrap().success());
+    assert_eq!(pictures.path().read_dir().unwrap().count(), 0);
+}
+
+#[test]
+fn a_film_in_a_pipe_is_that_in_a_file_whatever_pictures_exist() {
+    let folder = folder();
+    let outputs = ["-o", "a.y4m", "-o", "f-#.png", "-o", "-"];
+    let arguments = sequence(&[&FOUR[..], &outputs].concat());
+    let piped = |arguments: &[&str]| {
+        let output = folder.command(arguments).output().unwrap();
+        assert!(output.status.success());
+        output.stdout
+    };
+    let first = piped(&arguments);
+    assert_eq!(y4m(&first).len(), 4);
+    assert!(first == folder.read("a.y4m"));
+    for missing in [["f-1.png", "f-2.png"], ["f-0.png", "f-3.png"]] {
+        missing
+            .iter()
+            .for_each(|name| std::fs::remove_file(folder.path(name)).unwrap());
+        assert!(piped(&arguments) == first, "{missing:?}");
+    }
+    let words = "film scene.toml --speeds 0.9 --pictures 3 --beside rest -o b.y4m -o -";
+    let both = piped(&words.split(' ').collect::<Vec<_>>());
+    assert_eq!(y4m(&both).len(), 3);
+    assert!(both == folder.read("b.y4m"));
+}
+
+#[test]
+fn warnings_and_statistics_of_a_film_for_a_pipe_go_to_standard_error() {
+    let folder = folder();
+    let far = ["--frames", "0..2", "--fps", "24", "-o", "-"];
+    let run = |more: &[&str]| {
+        let arguments = sequence(&[&far[..], more].concat());
+        let output = folder.command(&arguments).output().unwrap();
+        assert!(output.status.success());
+        // Nothing follows the last picture.
+        assert_eq!(y4m(&output.stdout).len(), 2);
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let said = run(&["--stats"]);
+    assert!(said.starts_with("warning: frames are"), "{said}");
+    assert!(said.contains("  camera rays "), "{said}");
+    assert_eq!(run(&["--quiet"]), "");
+    // The scene alone is no film.
+    let scene = folder.ok(&sequence(&["--print-scene", "-o", "-"]));
+    assert!(scene.contains("[camera]"), "{scene}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_full_disk_behind_a_pipe_is_reported() {
+    let folder = folder();
+    let arguments = sequence(&[&FOUR[..], &["-o", "-"]].concat());
+    // Only Linux has this device.
+    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {
+        return;
+    };
+    let output = folder.command(&arguments).stdout(full).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("standard output"), "{said}");
+}

@@ -34,8 +34,12 @@ fn signalled(
     signal: &str,
     wait: impl FnOnce(),
 ) -> (Duration, Output) {
-    let child = folder
-        .command(arguments)
+    stop(folder.command(arguments), signal, wait)
+}
+
+/// The same for a program with an environment of its own.
+fn stop(mut program: Command, signal: &str, wait: impl FnOnce()) -> (Duration, Output) {
+    let child = program
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -268,14 +272,16 @@ fn the_self_test_stops_in_the_midst_of_its_rays() {
 }
 
 #[test]
-fn a_film_for_a_pipe_does_not_say_that_it_can_be_resumed() {
-    let frames = "render scene.toml --frames 0..10000 --interval 1mm --white 1 -o -";
+fn a_film_for_a_pipe_does_not_say_that_it_can_be_resumed_and_leaves_no_picture() {
+    // The first picture is larger than what a pipe holds, and nobody reads it.
+    let frames = "render scene.toml --frames 0..10000 --interval 1mm --white 1 --size 300x200 -o -";
     let arguments: Vec<_> = frames.split(' ').collect();
-    let took = stopped(
-        &Folder::new(),
-        &arguments,
-        "-INT",
-        Duration::from_millis(1500),
-    );
+    let (folder, pictures) = (Folder::new(), Folder::empty());
+    let mut program = folder.command(&arguments);
+    program.env("TMPDIR", pictures.path("."));
+    let wait = || std::thread::sleep(Duration::from_millis(1500));
+    let (took, output) = stop(program, "-INT", wait);
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), STOPPED);
     assert!(took < SOON, "{took:?}");
+    assert!(pictures.names().is_empty());
 }

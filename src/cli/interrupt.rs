@@ -59,6 +59,11 @@ pub fn keeps(what: &'static str) {
     note(what, true);
 }
 
+/// Records that nothing is kept any more.
+pub fn keeps_nothing() {
+    *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) = None;
+}
+
 fn note(text: &'static str, keeps: bool) {
     *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) = Some((text, keeps));
 }

@@ -1,7 +1,9 @@
 //! The files of one rendering, by extension, and the fingerprints that identify the files of a frame.
 //!
 //! fingerprint = SHA-256 (common, kind[, isochrone step]), with common = SHA-256 (version, scene text with the frame's time, poses and
-//! spectra read from other files, channels, sampling, method, caption, content of every input file); each part is preceded by its length.
+//! spectra read from other files, channels, sampling, method, caption, content of every input file[, number of passes]); each part is
+//! preceded by its length. That of unfinished sums is SHA-256 (samples, kind of work), with samples = SHA-256 (version, scene without names
+//! and display, channels, sampling, content of every input file).
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -628,8 +630,14 @@ impl Identity {
     /// The key of the fingerprint in the metadata of files.
     pub const KEY: &'static str = "frame_fingerprint";
 
-    /// The identity of the frame shown by `scene`.
-    pub fn new(scene: &Scene, request: &Request, outputs: &Outputs, inputs: &Inputs) -> Identity {
+    /// The identity of the frame shown by `scene`; `passes` describes those of a progressive one.
+    pub fn new(
+        scene: &Scene,
+        request: &Request,
+        outputs: &Outputs,
+        inputs: &Inputs,
+        passes: &str,
+    ) -> Identity {
         let mut parts = Digests::default();
         parts.add(env!("CARGO_PKG_VERSION").as_bytes());
         parts.add(scene.text.as_bytes());
@@ -647,6 +655,7 @@ impl Identity {
         parts.add(outputs.caption.as_deref().unwrap_or("\0").as_bytes());
         parts.add(request.precision.name().as_bytes());
         parts.add(&inputs.digest);
+        parts.add(passes.as_bytes());
         Identity {
             common: parts.finish(),
             step: outputs.step,
@@ -664,14 +673,6 @@ impl Identity {
         self.number(&format!("overlay {parts:?}"), self.step)
     }
 
-    /// The fingerprint of unfinished work with this description.
-    pub fn of_sums(&self, what: &str) -> [u8; 32] {
-        let mut parts = Digests::default();
-        parts.add(&self.common);
-        parts.add(what.as_bytes());
-        parts.0.finalize().into()
-    }
-
     fn number(&self, what: &str, step: Option<f64>) -> String {
         let mut parts = Digests::default();
         parts.add(&self.common);
@@ -680,6 +681,33 @@ impl Identity {
             parts.add(&step.to_le_bytes());
         }
         hexadecimal(&parts.finish())
+    }
+}
+
+/// All that the samples of a scene depend on, however they are shown later.
+pub struct Samples(Vec<u8>);
+
+impl Samples {
+    /// Those of `scene`.
+    pub fn new(scene: &Scene, request: &Request, inputs: &Inputs) -> Samples {
+        let mut parts = Digests::default();
+        parts.add(env!("CARGO_PKG_VERSION").as_bytes());
+        parts.add(format!("{:?}", scene.unshown()).as_bytes());
+        for aov in &request.aovs {
+            parts.add(aov.name().as_bytes());
+        }
+        parts.add(&[u8::from(request.pixel_centers)]);
+        parts.add(request.precision.name().as_bytes());
+        parts.add(&inputs.digest);
+        Samples(parts.finish())
+    }
+
+    /// The fingerprint of their sums in unfinished work with this description.
+    pub fn of_sums(&self, what: &str) -> [u8; 32] {
+        let mut parts = Digests::default();
+        parts.add(&self.0);
+        parts.add(what.as_bytes());
+        parts.0.finalize().into()
     }
 }
 

@@ -16,7 +16,8 @@ use nullray::{Error, Result};
 use super::args::PassArguments;
 use super::check::{check_all, check_beside};
 use super::film::{Rendered, times};
-use super::output::{Identity, Inputs, Outputs};
+use super::frames::existing;
+use super::output::{Identity, Inputs, Outputs, Samples};
 use super::progress::Bar;
 use super::{inputs, interrupt, overlay, remarks, say, warn};
 
@@ -30,12 +31,36 @@ const USUAL_PASSES: u64 = 16;
 const RESUME: &str =
     "the passes up to the last save are kept: run the same command again to resume";
 
+/// The message between panels.
+const OTHERS: &str = "finished panels are kept: run the same command again to render the others";
+
+/// What a picture of passes is a part of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Of {
+    /// Nothing: it is made anew unless it is unfinished.
+    Scene,
+    /// Panels: one that an earlier run finished is kept, as a frame of a sequence is.
+    Panels,
+}
+
+impl Of {
+    /// Notes what is kept of a finished picture if the work is stopped after it.
+    fn is_done(self) {
+        match self {
+            Of::Scene => interrupt::keeps_nothing(),
+            Of::Panels => interrupt::keeps(OTHERS),
+        }
+    }
+}
+
 /// Everything that the requested passes of one scene need. Refuses everything that can be refused before anything heavy is loaded.
 pub fn check_one(
     scene: &Scene,
     mut request: Request,
     outputs: &Outputs,
 ) -> Result<(Request, Plan)> {
+    // Isochrones come from a picture of their own, so the passes have no channels for them.
+    request.aovs.clone_from(&outputs.aovs);
     // The sums of the passes take memory beside the scene, so the plan is made twice.
     let layout = Plan::new(scene, &request)?.film;
     request.beside = request.beside.saturating_add(passes::bytes(&layout));
@@ -49,8 +74,9 @@ pub fn check_one(
     Ok((request, plan))
 }
 
-/// Renders one scene to its outputs in passes.
+/// Renders one scene, or a panel, to its outputs in passes.
 pub fn one(
+    of: Of,
     scene: &Scene,
     request: Request,
     outputs: &Outputs,
@@ -62,8 +88,18 @@ pub fn one(
     let read = inputs::of(scene, &plan);
     let sums = sums_of(outputs);
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
-    let identity = Identity::new(scene, &request, outputs, &inputs);
-    let fingerprint = identity.of_sums(&format!("passes {:?}", wanted.error));
+    let samples = Samples::new(scene, &request, &inputs);
+    let fingerprint = samples.of_sums(&format!("passes {:?}", wanted.error));
+    let identity = || Identity::new(scene, &request, outputs, &inputs, &format!("{wanted:?}"));
+    let finished = Outputs {
+        identity: (of == Of::Panels).then(identity),
+        ..outputs.clone()
+    };
+    if existing::all(&finished) {
+        of.is_done();
+        let mut paths = outputs.paths().map(|(_, path)| path.display());
+        return paths.try_for_each(|path| say(quiet, &format!("{path} exists already\n")));
+    }
     let bar = Bar::new(plan.rays.camera, quiet);
     let mut prepared = Prepared::new(scene, &plan, &bar)?;
     drop(bar);
@@ -73,8 +109,10 @@ pub fn one(
     warn(quiet, &std::mem::take(&mut prepared.warnings));
     let mut work = Work {
         passes: Passes::new(&prepared, wanted.error)?,
+        of,
         scene,
         outputs,
+        finished: &finished,
         sums,
         fingerprint,
         wanted,
@@ -104,8 +142,11 @@ fn sums_of(outputs: &Outputs) -> PathBuf {
 /// Work in passes.
 struct Work<'a> {
     passes: Passes,
+    of: Of,
     scene: &'a Scene,
     outputs: &'a Outputs,
+    /// The same for a picture of the requested quality.
+    finished: &'a Outputs,
     sums: PathBuf,
     fingerprint: [u8; 32],
     wanted: PassArguments,
@@ -184,11 +225,16 @@ impl Work<'_> {
 
     /// Writes all files, reports the quality of the picture, and removes the sums if nothing is left to do.
     fn conclude(mut self, mut rendered: Rendered) -> Result<()> {
-        let (quiet, scene, outputs) = (self.quiet, self.scene, self.outputs);
+        let (quiet, scene) = (self.quiet, self.scene);
         // If an error was requested and is not reached yet, the work can be resumed later.
         let is_left = self.wanted.error.is_some() && !self.passes.is_settled();
+        let outputs = match is_left {
+            true => self.outputs,
+            false => self.finished,
+        };
         if is_left {
             self.passes.write(&self.sums, &self.fingerprint)?;
+            interrupt::keeps(RESUME);
         }
         let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
         outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
@@ -227,7 +273,10 @@ impl Work<'_> {
         say(quiet, &text)?;
         match is_left {
             true => warn(quiet, [&self.missing()]),
-            false => remove(&self.sums)?,
+            false => {
+                self.of.is_done();
+                remove(&self.sums)?;
+            }
         }
         rendered.remark(scene, self.rays, quiet)?;
         let Rendered { film, prepared, .. } = &mut rendered;

@@ -101,6 +101,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         None if improves.is_some() => {
             let request = request(arguments, &outputs, &scene);
             passes::one(
+                passes::Of::Scene,
                 &scene,
                 request,
                 &outputs,
@@ -472,7 +473,10 @@ fn all_panels(
     for (request, scene, outputs) in &jobs {
         let quiet = arguments.work.quiet.on;
         match arguments.passes.given() {
-            Some(_) => passes::one(scene, request.clone(), outputs, arguments.passes, quiet)?,
+            Some(_) => {
+                let (of, wanted) = (passes::Of::Panels, arguments.passes);
+                passes::one(of, scene, request.clone(), outputs, wanted, quiet)?;
+            }
             None => {
                 let reports = (quiet, account.as_deref_mut());
                 one(scene, request, outputs, reports, &mut cubes)?;

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use super::model::{Assembly, CameraModel, Lamp, Motion, Object, Scene, Sensor, Sky, SkyRadiance};
+use super::model::{
+    Assembly, CameraModel, Exposure, Lamp, Motion, Object, Scene, Sensor, Sheet, Sky, SkyRadiance,
+};
 use super::text::Text;
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
 use crate::spacetime::{CameraFrame, Event, InertialFrame, Quantity, Rest, Velocity, World};
@@ -76,6 +78,33 @@ impl Scene {
             edited: self.text.as_str().into(),
             file: self.file_text.clone(),
         }
+    }
+
+    /// The scene without its name, its text and the places there, and without how its pictures are shown: what samples depend on.
+    pub fn unshown(&self) -> Scene {
+        let mut scene = Scene {
+            name: String::new(),
+            text: String::new(),
+            file_text: "".into(),
+            bits: 8,
+            times: None,
+            luminances: None,
+            flash_times: None,
+            caption: None,
+            exposure: Exposure::default(),
+            passed_over: Vec::new(),
+            panels: Vec::new(),
+            sheet: Sheet::default(),
+            ..self.clone()
+        };
+        let objects = scene.objects.iter_mut().map(|object| &mut object.span);
+        let lights = scene.lights.iter_mut().map(|light| &mut light.span);
+        let sources = scene.sources.iter_mut().map(|source| &mut source.span);
+        let sky = scene.sky.iter_mut().map(|sky| &mut sky.span);
+        for span in objects.chain(lights).chain(sources).chain(sky) {
+            *span = 0..0;
+        }
+        scene
     }
 
     /// Whether any colours depend on wavelengths: those of lines, of spectra, and of RGB that represents a spectrum, which the Doppler

@@ -101,7 +101,7 @@ pub struct PassArguments {
     #[arg(long, value_name = "TIME", value_parser = values::work_time)]
     pub budget: Option<f64>,
     /// Render at most this many passes, an even number. `nullray info` says how many a file has; the same number gives
-    /// the same bits.
+    /// the same bits, with the same --error if one was given.
     #[arg(long, value_name = "N", value_parser = values::passes)]
     pub passes: Option<u32>,
 }

@@ -29,7 +29,7 @@ use super::check::Names;
 use super::failure::refused;
 use super::film::in_pool;
 use super::names::{in_file_name, named_after, suffixed};
-use super::output::{Identity, Inputs, Outputs, extension};
+use super::output::{Inputs, Samples, extension};
 use super::progress::Bar;
 use super::{inputs, interrupt, print, remarks, say, warn};
 
@@ -241,13 +241,13 @@ impl Bake<'_> {
         check_names(self.path, &jobs, &read)?;
         // A journal is resumed only if everything it depends on is unchanged.
         let inputs = Inputs::read(read.get(1..).unwrap_or_default());
-        let identity = Identity::new(scene, &request, &Outputs::default(), &inputs);
+        let samples = Samples::new(scene, &request, &inputs);
         let quiet = self.work.quiet.on;
-        let sum = |job: &Job, samples: u32| {
+        let sum = |job: &Job, count: u32| {
             let goal = self.goal.map_or(String::new(), |goal| goal.to_string());
             // "means": parts of earlier versions have energies of all samples.
-            let what = format!("baked means {:?} {bins:?} {samples}{goal}", job.surface);
-            identity.of_sums(&what)
+            let what = format!("baked means {:?} {bins:?} {count}{goal}", job.surface);
+            samples.of_sums(&what)
         };
         let possible = match self.goal {
             None => vec![plan.film.samples],

@@ -1,6 +1,6 @@
 //! Sequences: one scene at many times. Everything is loaded and built once; existing frames are not rendered again.
 
-mod existing;
+pub mod existing;
 mod range;
 
 use std::path::Path;
@@ -193,7 +193,7 @@ impl Sequence<'_> {
     fn frame(&mut self, number: u64) -> Result<()> {
         let scene = self.scene_at(number)?;
         let mut outputs = self.job.outputs.renamed(|path| numbered(path, number));
-        let identity = Identity::new(&scene, self.job.request, &outputs, &self.inputs);
+        let identity = Identity::new(&scene, self.job.request, &outputs, &self.inputs, "");
         self.fingerprints.push(identity.fingerprint(Kind::Display));
         outputs.identity = Some(identity);
         // In long sequences a line for each frame adds nothing to the count at the end.

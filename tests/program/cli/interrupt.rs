@@ -285,3 +285,35 @@ fn a_film_for_a_pipe_does_not_say_that_it_can_be_resumed_and_leaves_no_picture()
     assert!(took < SOON, "{took:?}");
     assert!(pictures.names().is_empty());
 }
+
+#[test]
+fn panels_that_passes_have_finished_are_kept_and_nothing_is_said_to_be_kept_of_one_without_a_save()
+{
+    let folder = Folder::empty();
+    let panels = "[[panel]]\nname = \"one\"\n[[panel]]\nname = \"two\"\nset = { camera.size = [400, 400], display.samples_per_pixel = 65536 }\n";
+    folder.write("p.toml", format!("{SMALL}{panels}"));
+    let error = ["--error", "60 %"];
+    let one = ["render", "p.toml", "--panel", "one", "-o", "x-one.npz"];
+    let one = [&one[..], &error].concat();
+    folder.ok(&[&one[..], &["--passes", "2"]].concat());
+    // The first panel resumes, and is done; the first pass of the second takes hours.
+    let sums = folder.path("x-one.npz.passes");
+    assert!(sums.exists());
+    let both = [&["render", "p.toml", "-o", "x.npz"][..], &error].concat();
+    let (_, output) = signalled(&folder, &both, "-TERM", || until(|| !sums.exists()));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("resuming after pass 2"), "{said}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    let words = "nullray: stopped; finished panels are kept: run the same command again to render the others\n";
+    assert!(said.ends_with(words), "{said}");
+    assert_eq!(folder.names(), ["p.toml", "x-one.npz"]);
+    let first = folder.read("x-one.npz");
+    let said = folder.ok(&one);
+    assert!(said.ends_with("x-one.npz exists already\n"), "{said}");
+    assert!(folder.read("x-one.npz") == first);
+    // Of another error or scene it is rendered.
+    for more in [["--passes", "40"], ["--set", "render.seed=3"]] {
+        let said = folder.ok(&[&one[..], &more].concat());
+        assert!(said.contains("wrote x-one.npz"), "{said}");
+    }
+}

@@ -249,3 +249,48 @@ fn an_error_that_is_reached_says_again_that_light_is_missing() {
         assert_eq!(said.contains(words), is_said, "{said}");
     }
 }
+
+#[test]
+fn sums_are_taken_up_again_however_their_picture_is_shown_and_whatever_is_written_beside_it() {
+    let (whole, parts) = (folder(), folder());
+    let goal = ["--error", "0.01 %", "--passes"];
+    whole.ok(&[&TO_NPZ[..], &goal, &["12"]].concat());
+    let run =
+        |passes: &str, more: &[&str]| parts.ok(&[&TO_NPZ[..], &goal, &[passes], more].concat());
+    run("2", &[]);
+    let resumes = |passes: u32, more: &[&str]| {
+        let said = run(&passes.to_string(), more);
+        let words = format!("resuming after pass {}\n", passes - 2);
+        assert!(said.contains(&words), "{more:?}: {said}");
+    };
+    resumes(4, &["--isochrones", "t.png"]);
+    resumes(6, &["--white", "2", "-o", "b.png"]);
+    resumes(
+        8,
+        &["-o", "b.exr", "--half", "-o", "b.png", "--caption", "soft"],
+    );
+    parts.write(
+        "soft.toml",
+        format!("# A remark\n{SOFT}[display]\nwhite = 3\nbits = 16\n"),
+    );
+    resumes(10, &[]);
+    parts.write("soft.toml", SOFT);
+    resumes(12, &[]);
+    assert!(whole.read("a.npz") == parts.read("a.npz"));
+    // Of other channels or samples there are none.
+    for more in [
+        &["--aovs", "samples"][..],
+        &["--spp", "3"],
+        &["--set", "camera.size=[24, 17]"],
+        &["--set", "display.background=[1, 1, 1]"],
+    ] {
+        let replaced = |words: &[&str]| -> Vec<String> {
+            let words = words.chunks(2).filter(|pair| pair[0] != more[0]);
+            words.flatten().map(|word| word.to_string()).collect()
+        };
+        let arguments = replaced(&[&TO_NPZ[2..], &goal, &["2"]].concat());
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let said = parts.ok(&[&TO_NPZ[..2], &arguments[..], more].concat());
+        assert!(said.contains("starting over"), "{more:?}: {said}");
+    }
+}

@@ -253,17 +253,21 @@ impl Bake<'_> {
             None => vec![plan.film.samples],
             Some(_) => goal::POSSIBLE.to_vec(),
         };
-        let is_done = |job: &Job| {
-            let fingerprint = job.fingerprint();
-            fingerprint.is_some_and(|found| {
-                let mut sums = possible.iter().map(|samples| sum(job, *samples));
-                sums.any(|sum| found == hexadecimal(&sum))
-            })
+        let done_as = |job: &Job| {
+            let found = job.fingerprint()?;
+            let mut sums = possible.iter().map(|samples| sum(job, *samples));
+            sums.find(|sum| found == hexadecimal(sum))
+        };
+        // A run that ended just after it had written the file has left its parts; those of other work are kept.
+        let clear = |job: &Job| {
+            let journal = done_as(job).and_then(|sum| Journal::open(&job.unfinished(), &sum).ok());
+            journal.map_or(Ok(()), Journal::remove)
         };
         if self.of_flash {
-            let (done, left) = jobs.into_iter().partition(is_done);
+            let (done, left) = jobs.into_iter().partition(|job| done_as(job).is_some());
             let done: Vec<Job> = done;
             for job in &done {
+                clear(job)?;
                 say(quiet, &format!("{} exists already\n", job.path.display()))?;
             }
             jobs = left;
@@ -281,9 +285,11 @@ impl Bake<'_> {
             // Of several objects those that an earlier run finished are kept, as frames of a sequence are.
             let all = jobs.len();
             if jobs.len() > 1 && !self.of_flash {
-                let is_done = |job: &Job| is_done(job) && existing::is_whole(&job.path, precision);
+                let is_done =
+                    |job: &Job| done_as(job).is_some() && existing::is_whole(&job.path, precision);
                 let (done, left): (Vec<Job>, _) = jobs.into_iter().partition(is_done);
                 for job in &done {
+                    clear(job)?;
                     let path = job.path.display();
                     let table = job.said("source_table").unwrap_or_default();
                     say(quiet, &format!("{path} exists already\n\n{table}"))?;

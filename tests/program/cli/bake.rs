@@ -991,3 +991,39 @@ fn objects_that_are_done_are_not_baked_again_with_the_others() {
     assert_eq!(run(&["--set=render.seed=9"]), [true, true]);
     assert_eq!(folder.names(), ["a-chest.npz", "a-floor.npz", "lit.toml"]);
 }
+
+#[test]
+fn parts_that_a_killed_bake_left_beside_its_finished_file_go_when_that_is_found() {
+    use nullray::io::npy::load_metadata;
+    use nullray::render::journal::Journal;
+
+    let folder = Folder::empty();
+    let chest = "[[object]]\nname = \"chest\"\nshape = { box = { size = [1, 1, 1] } }\n";
+    folder.write("lit.toml", format!("{FLASH}{chest}{LIGHT}"));
+    let bake = ["bake", "lit.toml", "--object=floor", "--object=chest"];
+    let bins = ["--bin-width=1 m", "--bins=40", "--texels=16x16"];
+    let bake = [&bake[..], &bins, &["--spp=4", "-o=a.npz"]].concat();
+    folder.ok(&bake);
+    // Its fingerprint is that of the parts, too.
+    let metadata = load_metadata(&folder.path("a-floor.npz")).unwrap();
+    let digits = metadata["bake_fingerprint"].as_str().unwrap();
+    let byte = |k: usize| u8::from_str_radix(&digits[2 * k..2 * k + 2], 16).unwrap();
+    let of_floor = std::array::from_fn(byte);
+    for (name, fingerprint) in [
+        ("a-floor.npz.parts", of_floor),
+        ("a-chest.npz.parts", [7; 32]),
+    ] {
+        let journal = Journal::open(&folder.path(name), &fingerprint).unwrap();
+        journal.add(0, b"light").unwrap();
+    }
+    let said = folder.ok(&bake);
+    assert!(said.contains("a-floor.npz exists already"), "{said}");
+    // Parts of other work stay.
+    let expected = [
+        "a-chest.npz",
+        "a-chest.npz.parts",
+        "a-floor.npz",
+        "lit.toml",
+    ];
+    assert_eq!(folder.names(), expected);
+}

@@ -209,7 +209,7 @@ fn times_and_accelerations_have_the_speed_of_light_of_the_scene() {
              [camera]\nforward = [0, 0, -1]\n\
              motion = {{ keyframes = [{{ time = \"0 s\", position = [0, 0, 0] }}, {{ time = \"3 s\", position = [6, 0, 0] }}] }}\n\
              [diagram]\nunit = \"{unit}\"\ndirection = [1, 0, 0]\n\
-             worldline = [{{ name = \"film\", of = \"camera\" }}, {{ name = \"ship\", acceleration = \"9.80665 m/s2\", from = [0, 0], to = [3, 0] }},\n\
+             worldline = [{{ name = \"film\", of = \"camera\" }}, {{ name = \"ship\", acceleration = \"9.80665 m/s2\", from = [0, 0], to = [4, 0] }},\n\
              {{ name = \"q\", segments = [{{ acceleration = \"0.5 c/s\" }}], from = [0, 0], to = [3, 0] }}]\n\
              event = [{{ name = \"O\", at = [0, 0] }}, {{ name = \"P\", on = \"ship\", proper_time = 2 }}, {{ name = \"Q\", on = \"q\", proper_time = 1 }}]\n\
              interval = [{{ from = \"O\", to = \"P\" }}, {{ from = \"O\", to = \"Q\" }}]\n"

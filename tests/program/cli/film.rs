@@ -578,6 +578,9 @@ fn a_film_of_the_slowest_acceleration_goes_all_the_way() {
         "2 m",
         "--pictures",
         "3",
+        "--white",
+        "1",
+        "--no-captions",
         "-o",
         "a.apng",
     ];
@@ -595,6 +598,8 @@ fn a_film_of_the_slowest_acceleration_goes_all_the_way() {
             &eye,
             "--set",
             turned,
+            "--white",
+            "1",
             "-o",
             "a.png",
         ]);

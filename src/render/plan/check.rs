@@ -325,14 +325,10 @@ fn sky(scene: &Scene, sky: &Sky) -> Result<()> {
 /// The same of an object.
 fn object(scene: &Scene, object: &Object) -> Result<()> {
     let name = &object.name;
+    let transform = object.transform;
+    let inverts = limits::is_invertible(transform) && transform.is_finite();
     let rows = [
-        (
-            "transform",
-            Is(
-                limits::is_invertible(object.transform),
-                "a transform that can be inverted",
-            ),
-        ),
+        ("transform", Is(inverts, "a transform with an inverse")),
         ("origin", Finite(&object.origin.to_array())),
     ];
     check_rows(scene, &format!("object \"{name}\", "), &rows)?;

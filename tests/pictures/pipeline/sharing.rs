@@ -162,7 +162,7 @@ fn another_picture_of_what_was_not_prepared_is_refused() {
             "differs from the scene",
         ),
         (
-            text("", "", "background = [1, 0, 0]\n"),
+            text("", "[display]\nbackground = [1, 0, 0]\n", ""),
             "background",
             "differs from the scene",
         ),

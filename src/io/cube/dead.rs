@@ -27,21 +27,6 @@ struct Dead {
     weights: [f64; 2],
 }
 
-/// The centres of bins of different widths, each with the width of energies, or 1 for densities; as bits, which can be compared and hashed.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct BinSizes(Vec<[u64; 2]>);
-
-impl FromIterator<[f64; 2]> for BinSizes {
-    fn from_iter<I: IntoIterator<Item = [f64; 2]>>(sizes: I) -> BinSizes {
-        BinSizes(
-            sizes
-                .into_iter()
-                .map(|both| both.map(f64::to_bits))
-                .collect(),
-        )
-    }
-}
-
 impl DeadBins {
     /// For an axis of `bins` bins of the cube at `path`.
     ///

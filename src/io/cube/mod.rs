@@ -51,7 +51,6 @@ pub use byte_order::{ByteOrder, Sign};
 pub use channels::{Channels, CubeChannel};
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
-pub use dead::BinSizes;
 pub use format::{ByPath, CubeFormat};
 pub(crate) use negative::Counted;
 pub use negative::{BelowZero, Negative};
@@ -65,4 +64,4 @@ pub use table::{
     FORMATS, extensions, files, format_called, format_of, inspect, load, load_bytes, times, wall,
 };
 pub use wall::Wall;
-pub use wanted::{CubeInfo, FileTimes, Transfer, Wanted};
+pub use wanted::{BinSizes, CubeInfo, FileTimes, Transfer, Wanted};

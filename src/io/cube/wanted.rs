@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
 use super::channels::Channels;
-use super::dead::BinSizes;
 use super::negative::Negative;
 use super::samples::{Cube, CubeSamples};
 use crate::io::budget::Budget;
@@ -42,6 +41,21 @@ impl FileTimes {
         keys.filter_map(|(key, [said, used], same)| {
             ((used - said).abs() > same).then_some((key, [said, used]))
         })
+    }
+}
+
+/// The centres of bins of different widths, each with the width of energies, or 1 for densities; as bits, which can be compared and hashed.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct BinSizes(pub(super) Vec<[u64; 2]>);
+
+impl FromIterator<[f64; 2]> for BinSizes {
+    fn from_iter<I: IntoIterator<Item = [f64; 2]>>(sizes: I) -> BinSizes {
+        BinSizes(
+            sizes
+                .into_iter()
+                .map(|both| both.map(f64::to_bits))
+                .collect(),
+        )
     }
 }
 

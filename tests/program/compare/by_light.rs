@@ -248,7 +248,9 @@ fn wrong_aberration_is_named_by_light_alone() {
     )]);
     let found = with_scene(&unaberrated);
     named(Kind::AberrationMissing, &["aberration is missing"], &found);
-    let reversed = with(&[("beta = [0.5, 0, 0]", "beta = [-0.5, 0, 0]")]);
+    // Of a program that does not state that it is another shot.
+    let mut reversed = with(&[("beta = [0.5, 0, 0]", "beta = [-0.5, 0, 0]")]);
+    reversed.layers.metadata.clear();
     named(
         Kind::AberrationReversed,
         &["aberration is reversed"],

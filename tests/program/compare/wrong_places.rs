@@ -115,7 +115,7 @@ fn samples_elsewhere_in_pixels_are_on_the_surface_also_at_silhouettes() {
     };
     let [left, right] = [0, 1].map(from_column);
     let places = only(&right, &["object", "object_event"]);
-    assert!((metric(&left, &places, "geometric.p99") - 0.5).abs() < 1e-6);
+    assert!((metric(&left, &places, "geometric.p99") - 0.5).abs() < 1e-3);
 }
 
 /// The scene in the light of a pulse, whose shadows are black.

@@ -100,7 +100,8 @@ fn of_object(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Opti
             .par_iter()
             .map(|side| [side.off().abs(), rest(k, side)]),
     );
-    let explains = (k - 1.0).abs() > NOTABLE && tally.explains(0.5 * NOTABLE * extent);
+    // The far sides of a body are its near ones times a negative number.
+    let explains = k > 0.0 && (k - 1.0).abs() > NOTABLE && tally.explains(0.5 * NOTABLE * extent);
     let t = displacement(&sides);
     let by_t = sides
         .par_iter()

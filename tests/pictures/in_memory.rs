@@ -413,7 +413,7 @@ fn numbers_that_no_scene_file_can_contain_are_refused_by_name() {
         ("look_at", DVec3::ZERO.into()),
         ("hfov", "40 deg".into()),
     ]);
-    let text = "[sky]\nsun = {}\nstars = { count = 10 }\n[camera]\n[camera.sensor]\nfocal_length = \"36 mm\"\n\
+    let text = "[sky]\nsun = { direction = [0, 1, 0] }\nstars = { count = 10 }\n[camera]\n[camera.sensor]\nfocal_length = \"36 mm\"\n\
                 [camera.shutter]\nduration = \"1 m\"\n[camera.rotation]\naxis = [0, 0, 1]\nrate = \"0.1 rad/m\"\n";
     let scene = Builder::from_toml("changed", text)
         .set("camera.eye", [0.5, 0.0, 4.0])

@@ -268,7 +268,7 @@ fn light_of_a_lamp_that_accelerates_has_the_same_bits_whichever_frame_was_first(
 fn a_lamp_that_a_program_moves_lights_as_one_that_the_file_has_there() {
     let with = |light: &str| {
         stage::scene(&format!(
-            "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [32, 24]\n\
+            "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [32, 24]\ntime = \"10 m\"\n\
              [[object]]\nshape = {{ sphere = {{ radius = 1.5 }} }}\n[[light]]\n{light}"
         ))
     };

@@ -277,10 +277,11 @@ fn what_moves_with_the_camera_looks_the_same_at_all_camera_times() {
     let mut scene = crate_at_rest();
     let mut still = scene.objects[0].clone();
     still.origin.x.y -= 900.0;
-    let slow = Velocity::from_beta(DVec3::new(0.6, -0.3, 0.1)).unwrap();
+    // Perpendicular to the line of sight, so that the body stays in view.
+    let slow = Velocity::from_beta(DVec3::new(0.6, -0.3, -0.075)).unwrap();
     let fast = |gamma, n| Velocity::from_gamma(gamma, n).unwrap();
-    let oblique = DVec3::new(1.0, 2.0, -3.0);
-    for velocity in [slow, fast(1e8, DVec3::X), fast(1e6, oblique)] {
+    let [level, rising] = [DVec3::new(4.0, 0.0, -1.5), DVec3::new(-2.0, 1.5, 0.0)];
+    for velocity in [slow, fast(1e8, level), fast(1e6, rising)] {
         scene.camera.velocity = velocity;
         scene.objects[0].velocity = velocity;
         // Alone, and beside another one that is out of sight.

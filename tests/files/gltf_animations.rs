@@ -248,9 +248,11 @@ fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
     );
 }
 
-/// A file whose camera "Cam" hangs at (r, 0, 0) from "Arm", with an animation of these channels: node (0 is the arm), property,
-/// interpolation, times and values.
-fn swung(folder: &Path, r: f64, channels: &[(usize, &str, &str, &[f32], &[&[f32]])]) -> PathBuf {
+/// Node (0 is the arm), property, interpolation, times and values.
+type Channel<'a> = (usize, &'a str, &'a str, &'a [f32], &'a [&'a [f32]]);
+
+/// A file whose camera "Cam" hangs at (r, 0, 0) from "Arm", with an animation of these channels.
+fn swung(folder: &Path, r: f64, channels: &[Channel]) -> PathBuf {
     let (mut bytes, mut views, mut accessors) = (Vec::<u8>::new(), vec![], vec![]);
     let mut add = |rows: Vec<&[f32]>| {
         let kind = ["SCALAR", "", "VEC3", "VEC4"][rows[0].len() - 1];

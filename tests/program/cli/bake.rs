@@ -199,8 +199,8 @@ fn objects_with_clocks_of_their_own_read_a_camera_cube_by_their_own_sources() {
     for (other, most) in [(lit, 0.1), (one, 1e-4)] {
         let (mut squares, mut all) = (0.0, 0.0);
         for (a, b) in baked.iter().flatten().zip(other.iter().flatten()) {
-            squares += f64::powi(f64::from(*a) - f64::from(*b), 2);
-            all += f64::powi(f64::from(*b), 2);
+            squares += f64::powi(*a - *b, 2);
+            all += f64::powi(*b, 2);
         }
         let error = f64::sqrt(squares / all);
         assert!(all > 0.0 && error < most, "{error} {most}");

@@ -109,7 +109,7 @@ fn single_precision_is_within_the_tolerances_up_to_gamma_100_in_any_order() {
     ] {
         // In any direction at these γ; objects are at their origins at the time of the shot.
         let mut velocity = |gamma: f64| {
-            let (z, angle) = (2.0 * random() - 1.0, 6.283 * random());
+            let (z, angle) = (2.0 * random() - 1.0, std::f64::consts::TAU * random());
             let (flat, beta) = ((1.0 - z * z).sqrt(), (1.0 - 1.0 / (gamma * gamma)).sqrt());
             [flat * angle.cos(), flat * angle.sin(), z].map(|x| beta * x)
         };

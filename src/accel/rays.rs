@@ -101,6 +101,7 @@ impl Hit {
         let (Some(a), Some(b)) = (one, other) else {
             return one.or(other);
         };
+        // Where triangles share an edge, both are hit at the same s: the id decides, in whatever order the tree visits them.
         let is_other = b.s < a.s || (b.s == a.s && b.triangle < a.triangle);
         if is_other { other } else { one }
     }
@@ -125,6 +126,7 @@ impl Converging<'_> {
     #[inline(always)]
     pub(super) fn segment(&self, at: usize) -> Segment {
         let from = self.start(at);
+        // With the way to the end as direction, the end is at s = 1.
         Segment {
             ray: Ray {
                 origin: from,

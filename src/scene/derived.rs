@@ -31,6 +31,7 @@ impl CameraModel {
         if let Some(turning) = &self.turning
             && let Some(shot) = self.world_line().ok().and_then(|line| line.state(time))
         {
+            // Keys of a glTF file are seconds of the world.
             let seconds = shot.event.ct / turning.speed_of_light;
             let turn = turning.track.rotation(seconds);
             camera.axes = turning.axes.map(|axis| turn * axis);
@@ -97,6 +98,7 @@ impl Scene {
             sheet: Sheet::default(),
             ..self.clone()
         };
+        // Where an entry stands in the file moves with any edit above it.
         let objects = scene.objects.iter_mut().map(|object| &mut object.span);
         let lights = scene.lights.iter_mut().map(|light| &mut light.span);
         let sources = scene.sources.iter_mut().map(|source| &mut source.span);
@@ -172,6 +174,7 @@ impl Sensor {
         if self.assembly == Assembly::Rigid || velocity.is_rest() {
             return self.focal_length;
         }
+        // √(1 + γ²β² sin² α), with γβ = sinh w.
         let (n, w) = velocity.split();
         let across = libm::sinh(w) * forward.cross(n).length();
         self.focal_length * velocity.gamma() / libm::hypot(1.0, across)

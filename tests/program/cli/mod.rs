@@ -1,6 +1,8 @@
 //! The program as its users see it: what it prints, writes and refuses, and its exit codes.
 
 mod bake;
+mod bake_again;
+mod bake_refused;
 mod builtin;
 mod channels;
 mod convert;

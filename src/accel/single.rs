@@ -100,9 +100,8 @@ impl View<'_> {
         let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
-        let mut query = AnyHit::new(self.bvh, &ray, segment);
-        self.trace(&ray, stack, &mut query, tally);
-        query.found
+        let blocked = Blocked::none(segment, ray.per_unit);
+        self.trace(&ray, stack, blocked, tally).found
     }
 
     #[inline(always)]
@@ -114,25 +113,30 @@ impl View<'_> {
         stack: &mut [StackEntry],
         tally: &mut Counts,
     ) -> Option<Hit> {
-        let mut query = ClosestHit::new(self.bvh, ray, s_max, left);
-        self.trace(ray, stack, &mut query, tally);
-        query.into_hit(ray)
+        let nearest = Nearest::none([ray.s_min, s_max * ray.per_unit], left);
+        self.trace(ray, stack, nearest, tally)
+            .hit(self.bvh, ray.unit)
     }
 
     #[inline(always)]
-    fn trace(
+    fn trace<C: Collector>(
         self,
         ray: &ScaledRay,
         stack: &mut [StackEntry],
-        query: &mut impl Query,
+        collector: C,
         tally: &mut Counts,
-    ) {
-        if self.is_empty() {
-            return;
+    ) -> C {
+        let mut query = LineQuery {
+            bvh: self.bvh,
+            line: &ray.line,
+            collector,
+        };
+        if !self.is_empty()
+            && let Some(slabs) = SlabRay::new(&self.tree.space, &ray.line, ray.s_min)
+        {
+            traverse(&self.tree.nodes, &slabs, stack, &mut query, tally);
         }
-        if let Some(slabs) = SlabRay::new(&self.tree.space, &ray.line, ray.s_min) {
-            traverse(&self.tree.nodes, &slabs, stack, query, tally);
-        }
+        query.collector
     }
 
     /// A stack as deep as the tree; on the heap only for unusually deep trees.
@@ -197,7 +201,7 @@ impl ScaledRay {
         }
     }
 
-    /// The hit with the triangle in `slot`, if it is nearer than `rival`.
+    /// s of the line at its crossing with the triangle in `slot`, if it is nearer than `rival`, the crossing of another.
     pub fn nearer(
         &self,
         bvh: &Bvh,
@@ -205,98 +209,113 @@ impl ScaledRay {
         slot: u32,
         left: u32,
         tally: &mut Counts,
-    ) -> Option<(Crossing, u32)> {
+    ) -> Option<f64> {
         // A separate query, so that the two are compared by the rule of the whole tree.
-        let mut query = ClosestHit {
-            bvh,
-            line: &self.line,
-            s_min: self.s_min,
-            s: rival.as_ref().map_or(f64::INFINITY, |r| r.0.s),
-            left,
-            found: rival,
-        };
-        let at = slot as usize;
-        let found = query.consider(slot, &bvh.corners[at], bvh.tags[at], tally);
-        if found { query.found } else { None }
+        let mut nearest = Nearest::none([self.s_min, f64::INFINITY], left);
+        if let Some((crossing, rival)) = rival {
+            nearest.set(rival, crossing);
+        }
+        nearest.test(bvh, &self.line, slot, tally);
+        (nearest.slot == slot).then_some(nearest.s)
     }
 }
 
-/// The nearest hit so far.
-pub(super) struct ClosestHit<'a> {
-    bvh: &'a Bvh,
-    line: &'a Line,
+/// The nearest hit so far of a line.
+#[derive(Clone, Copy)]
+pub(super) struct Nearest {
     s_min: f64,
+    /// The parameter of the hit, or the one up to which hits count.
     s: f64,
     /// The slot of the triangle that the ray leaves.
     left: u32,
-    found: Option<(Crossing, u32)>,
+    /// The slot of the hit, or [`NO_SLOT`].
+    slot: u32,
+    u: f64,
+    v: f64,
+    front: bool,
 }
 
-impl<'a> ClosestHit<'a> {
-    /// For hits of `ray` before `s_max` of the ray as given, with any triangle except the one in slot `left`.
+impl Nearest {
+    /// No hit yet; hits count from `s_min` to `s_max` of the line, with any triangle except the one in slot `left`.
     #[inline(always)]
-    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, s_max: f64, left: u32) -> Self {
-        ClosestHit {
-            bvh,
-            line: &ray.line,
-            s_min: ray.s_min,
-            s: s_max * ray.per_unit,
+    pub fn none([s_min, s_max]: [f64; 2], left: u32) -> Nearest {
+        Nearest {
+            s_min,
+            s: s_max,
             left,
-            found: None,
+            slot: NO_SLOT,
+            u: 0.0,
+            v: 0.0,
+            front: false,
         }
     }
 
-    /// The hit found, for the ray as given.
     #[inline(always)]
-    pub fn into_hit(self, ray: &ScaledRay) -> Option<Hit> {
-        let (crossing, slot) = self.found?;
-        Some(ray.hit(self.bvh, &crossing, slot))
+    fn set(&mut self, slot: u32, Crossing { s, u, v, front }: Crossing) {
+        (self.s, self.u, self.v) = (s, u, v);
+        (self.slot, self.front) = (slot, front);
     }
 
-    /// Accepts the triangle in `slot` if it is first: nearer, or as near with a smaller id.
+    /// The hit found, for the ray as given: s of it is `unit` times s of the line.
     #[inline(always)]
-    fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag, tally: &mut Counts) -> bool {
-        // Ties go to the smaller id, so that the result does not depend on the tree's order.
-        if slot != self.left
-            && let Some(crossing) = self.line.intersect(corners, tally)
-            && crossing.s > self.s_min
-            && (crossing.s < self.s || (crossing.s == self.s && self.wins_tie(tag)))
-            && tag.shows(crossing.front)
-            && self.bvh.is_met(slot, [crossing.u, crossing.v])
-        {
-            self.s = crossing.s;
-            self.found = Some((crossing, slot));
-            return true;
-        }
-        false
+    pub fn hit(&self, bvh: &Bvh, unit: f64) -> Option<Hit> {
+        (self.slot != NO_SLOT).then(|| Hit {
+            s: self.s * unit,
+            u: self.u,
+            v: self.v,
+            triangle: bvh.tags[self.slot as usize].id(),
+            slot: self.slot,
+            front: self.front,
+        })
     }
 
     #[cold]
-    fn wins_tie(&self, tag: Tag) -> bool {
-        let rival = self.found.as_ref().map(|f| self.bvh.tags[f.1 as usize]);
-        rival.is_some_and(|rival| tag.id() < rival.id())
+    fn wins_tie(&self, bvh: &Bvh, tag: Tag) -> bool {
+        self.slot != NO_SLOT && tag.id() < bvh.tags[self.slot as usize].id()
     }
 }
 
-impl Query for ClosestHit<'_> {
+/// What a line's crossings of triangles are collected for.
+pub(super) trait Collector {
+    /// Whether crossings of the triangle in `slot` do not count.
+    fn ignores(&self, slot: u32) -> bool;
+
+    /// Takes a crossing of the triangle in `slot`, which is not ignored; true if no other crossing matters.
+    fn take(&mut self, bvh: &Bvh, slot: u32, crossing: Crossing) -> bool;
+
+    /// The parameter beyond which crossings do not matter.
+    fn limit(&self) -> f64;
+
+    /// Tests the triangle in `slot`; true if no other matters.
     #[inline(always)]
-    fn leaf(&mut self, slot: usize, tally: &mut Counts) -> bool {
-        let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
-        for (i, (corners, &tag)) in triangles.enumerate() {
-            tally.add(Work::Triangles, 1);
-            self.consider((slot + i) as u32, corners, tag, tally);
-            if tag.is_last() {
-                break;
-            }
+    fn test(&mut self, bvh: &Bvh, line: &Line, slot: u32, tally: &mut Counts) -> bool {
+        if !self.ignores(slot)
+            && let Some(crossing) = line.intersect(&bvh.corners[slot as usize], tally)
+        {
+            return self.take(bvh, slot, crossing);
         }
         false
     }
+}
 
+impl Collector for Nearest {
     #[inline(always)]
-    fn triangle(&mut self, slot: usize, tally: &mut Counts) -> bool {
-        tally.add(Work::Triangles, 1);
-        let (corners, tag) = (&self.bvh.corners[slot], self.bvh.tags[slot]);
-        self.consider(slot as u32, corners, tag, tally);
+    fn ignores(&self, slot: u32) -> bool {
+        slot == self.left
+    }
+
+    /// Accepts the crossing if it is first: nearer, or as near with a smaller id.
+    #[inline(always)]
+    fn take(&mut self, bvh: &Bvh, slot: u32, crossing: Crossing) -> bool {
+        let tag = || bvh.tags[slot as usize];
+        // Ties go to the smaller id, so that the result does not depend on the tree's order.
+        if crossing.s > self.s_min
+            && (crossing.s < self.s || (crossing.s == self.s && self.wins_tie(bvh, tag())))
+            && (crossing.front || tag().shows(false))
+            && bvh.is_met(slot, [crossing.u, crossing.v])
+        {
+            self.set(slot, crossing);
+        }
         false
     }
 
@@ -306,27 +325,33 @@ impl Query for ClosestHit<'_> {
     }
 }
 
-/// Whether there is a hit at all.
-pub(super) struct AnyHit<'a> {
-    bvh: &'a Bvh,
-    line: &'a Line,
+/// Whether anything blocks a segment of a line.
+#[derive(Clone, Copy)]
+pub(super) struct Blocked {
     s_min: f64,
     s_max: f64,
-    /// Triangles that are ignored.
-    own: [Option<u32>; 2],
+    /// Ids of triangles that do not block it.
+    own: [u32; 2],
     found: bool,
 }
 
-impl<'a> AnyHit<'a> {
-    /// Whether anything blocks `segment`; `ray` is its ray.
+impl Blocked {
+    /// A segment that nothing blocks.
+    pub const NONE: Blocked = Blocked {
+        s_min: 0.0,
+        s_max: 0.0,
+        own: [u32::MAX; 2],
+        found: false,
+    };
+
+    /// Not yet; `segment` lies on a line with 1 / `unit` = `per_unit`.
     #[inline(always)]
-    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, segment: &Segment) -> Self {
-        AnyHit {
-            bvh,
-            line: &ray.line,
-            s_min: ray.s_min,
-            s_max: segment.s_max * ray.per_unit,
-            own: [segment.skip, segment.end],
+    pub fn none(segment: &Segment, per_unit: f64) -> Blocked {
+        Blocked {
+            s_min: segment.ray.s_min * per_unit,
+            s_max: segment.s_max * per_unit,
+            // No triangle has this id.
+            own: [segment.skip, segment.end].map(|id| id.unwrap_or(u32::MAX)),
             found: false,
         }
     }
@@ -336,30 +361,47 @@ impl<'a> AnyHit<'a> {
     pub fn is_found(&self) -> bool {
         self.found
     }
+}
 
-    /// Whether the triangle in `slot` blocks it.
+impl Collector for Blocked {
     #[inline(always)]
-    pub fn test(&mut self, slot: usize, tally: &mut Counts) -> bool {
-        let tag = self.bvh.tags[slot];
-        if let Some(crossing) = self.line.intersect(&self.bvh.corners[slot], tally)
-            && crossing.s > self.s_min
+    fn ignores(&self, _: u32) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn take(&mut self, bvh: &Bvh, slot: u32, crossing: Crossing) -> bool {
+        let tag = bvh.tags[slot as usize];
+        if crossing.s > self.s_min
             && crossing.s < self.s_max
             && tag.shows(crossing.front)
-            && !self.own.contains(&Some(tag.id()))
-            && self.bvh.is_met(slot as u32, [crossing.u, crossing.v])
+            && !self.own.contains(&tag.id())
+            && bvh.is_met(slot, [crossing.u, crossing.v])
         {
             self.found = true;
         }
         self.found
     }
+
+    #[inline(always)]
+    fn limit(&self) -> f64 {
+        self.s_max
+    }
 }
 
-impl Query for AnyHit<'_> {
+/// A line on its way through the binary tree.
+struct LineQuery<'a, C> {
+    bvh: &'a Bvh,
+    line: &'a Line,
+    collector: C,
+}
+
+impl<C: Collector> Query for LineQuery<'_, C> {
     #[inline(always)]
     fn leaf(&mut self, slot: usize, tally: &mut Counts) -> bool {
         for at in slot..self.bvh.tags.len() {
             tally.add(Work::Triangles, 1);
-            if self.test(at, tally) {
+            if self.collector.test(self.bvh, self.line, at as u32, tally) {
                 return true;
             }
             if self.bvh.tags[at].is_last() {
@@ -370,14 +412,8 @@ impl Query for AnyHit<'_> {
     }
 
     #[inline(always)]
-    fn triangle(&mut self, slot: usize, tally: &mut Counts) -> bool {
-        tally.add(Work::Triangles, 1);
-        self.test(slot, tally)
-    }
-
-    #[inline(always)]
     fn limit(&self) -> f64 {
-        self.s_max
+        self.collector.limit()
     }
 }
 

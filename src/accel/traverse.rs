@@ -11,9 +11,6 @@ pub(super) trait Query {
     /// Tests the triangles of the leaf that starts at `slot`; true ends the traversal.
     fn leaf(&mut self, slot: usize, tally: &mut Counts) -> bool;
 
-    /// Tests the triangle in `slot`; true ends the traversal.
-    fn triangle(&mut self, slot: usize, tally: &mut Counts) -> bool;
-
     /// The ray parameter beyond which boxes do not matter.
     fn limit(&self) -> f64;
 }

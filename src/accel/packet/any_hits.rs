@@ -27,7 +27,7 @@ use super::traverse::{BlockQuery, Outcome, StackEntry, traverse};
 use crate::accel::bvh::View;
 use crate::accel::float::{greater, lesser, norm1, power_of_two};
 use crate::accel::rays::{Converging, Segment};
-use crate::accel::single::{AnyHit, ScaledRay};
+use crate::accel::single::{Blocked, Collector, ScaledRay};
 use crate::accel::tally::{Counts, Work};
 use crate::accel::tree_space::TreeSpace;
 use crate::accel::vectors::{VectorLoop, dispatch};
@@ -487,8 +487,8 @@ impl<R: Blockable> AnyQuery<'_, R> {
         let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
-        let mut query = AnyHit::new(self.bvh.bvh, &ray, segment);
-        query.test(slot as usize, self.tally)
+        let mut blocked = Blocked::none(segment, ray.per_unit);
+        blocked.test(self.bvh.bvh, &ray.line, slot, self.tally)
     }
 }
 

@@ -360,10 +360,10 @@ impl<R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, R, CERTIFIED> {
                 crossing.map(|c| (c, rival))
             }
         };
-        let Some((crossing, slot)) = ray.nearer(self.bvh.bvh, rival, slot, left, self.tally) else {
+        let Some(s) = ray.nearer(self.bvh.bvh, rival, slot, left, self.tally) else {
             return false;
         };
-        self.block.set_hit(lane, slot, crossing.s * ray.unit);
+        self.block.set_hit(lane, slot, s * ray.unit);
         true
     }
 }

@@ -8,7 +8,6 @@ use super::ray_set::RAYS;
 use crate::accel::bvh::Bvh;
 use crate::accel::float::{greater, lesser, power_of_two};
 use crate::accel::rays::Ray;
-use crate::accel::single::ScaledRay;
 use crate::accel::slab::{STEEP, SlabStart};
 use crate::accel::tree_space::TreeSpace;
 use crate::accel::triangle::Line;
@@ -63,8 +62,9 @@ impl Given {
 /// Rays in f64, by lane, for the tests of boxes and leaves.
 #[repr(C, align(64))]
 pub(super) struct Lines {
-    /// The factor that scales |d|∞ to [1, 2).
+    /// The factor that scales |d|∞ to [1, 2), and directions scaled by it.
     pub unit: [f64; RAYS],
+    pub directions: [[f64; RAYS]; 3],
     /// [`MISSES`], [`ENTERS`] or [`LEFT`].
     pub fate: [f64; RAYS],
     /// τ₀, and the uncertainty of k s − τ₀.
@@ -91,6 +91,7 @@ pub(super) const LEFT: f64 = 2.0;
 impl Lines {
     pub const NONE: Lines = Lines {
         unit: [0.0; RAYS],
+        directions: [[0.0; RAYS]; 3],
         fate: [0.0; RAYS],
         start: [0.0; RAYS],
         blur: [0.0; RAYS],
@@ -129,6 +130,9 @@ impl Lines {
             let fate = if missed { MISSES } else { LEFT };
             self.fate[lane] = if entered { ENTERS } else { fate };
             self.unit[lane] = unit;
+            self.directions[0][lane] = d.x;
+            self.directions[1][lane] = d.y;
+            self.directions[2][lane] = d.z;
             self.start[lane] = start.start;
             self.blur[lane] = start.blur;
             self.unsure[lane] = start.unsure;
@@ -176,26 +180,20 @@ impl Lines {
         [entering, left]
     }
 
-    /// The rays of `lanes`, one after the other.
+    /// The line of a ray, with |d|∞ in [1, 2).
     #[inline(always)]
-    pub fn scaled(&self, given: &Given, mut lanes: u64) -> Vec<ScaledRay> {
-        let mut rays = Vec::with_capacity(lanes.count_ones() as usize);
-        while lanes != 0 {
-            let lane = next_lane(&mut lanes);
-            let unit = self.unit[lane];
-            // The inverse power of two.
-            let per_unit = f64::from_bits((2046 << 52) - unit.to_bits());
-            rays.push(ScaledRay {
-                line: Line {
-                    origin: given.origin(lane),
-                    direction: given.direction(lane) * unit,
-                },
-                s_min: given.s_min[lane] * per_unit,
-                unit,
-                per_unit,
-            });
+    pub fn line(&self, given: &Given, lane: usize) -> Line {
+        let [x, y, z] = &self.directions;
+        Line {
+            origin: given.origin(lane),
+            direction: DVec3::new(x[lane], y[lane], z[lane]),
         }
-        rays
+    }
+
+    /// The inverse of `unit`, exactly: it is a power of two.
+    #[inline(always)]
+    pub fn per_unit(&self, lane: usize) -> f64 {
+        f64::from_bits((2046 << 52) - self.unit[lane].to_bits())
     }
 }
 

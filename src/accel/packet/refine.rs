@@ -1,4 +1,4 @@
-//! s, u and v of the hits, in f64 and eight at a time.
+//! s, u and v of hits in f64, eight at a time: those of a block, and those of single rays.
 //!
 //! The arithmetic is that of [`Line::intersect`], operation by operation, so that each number is the same bit for bit; sums and products
 //! are never fused. If that test would switch to exact arithmetic or move s into the triangle's box, nothing is stored, and the hit is left
@@ -11,10 +11,10 @@ use super::ray_set::{RAYS, RaySet};
 use super::simd::Simd;
 use crate::accel::bvh::Bvh;
 use crate::accel::float::{greater, lesser, norm1};
-use crate::accel::triangle::{GRAZING, Line};
+use crate::accel::triangle::{Crossing, GRAZING, Line};
 
 /// Hits computed together.
-const GROUP: usize = 8;
+pub(super) const GROUP: usize = 8;
 
 /// Hits of a block, lane by lane.
 #[repr(C, align(64))]
@@ -99,7 +99,7 @@ impl RefinedHits {
         for i in 0..GROUP {
             let origin = pairs.origin(if EACH { i } else { 0 });
             let corners = [pairs.corner(0, i), pairs.corner(3, i), pairs.corner(6, i)];
-            let numbers = intersect(origin, pairs.direction(i), corners);
+            let (numbers, _) = intersect(origin, pairs.direction(i), corners);
             self.set(first + i, numbers, pairs.unit[i]);
         }
     }
@@ -114,7 +114,7 @@ impl RefinedHits {
     ) {
         for i in 0..GROUP {
             let origin = pairs.origin(if EACH { i } else { 0 });
-            let numbers = intersect(origin, pairs.direction(i), *corners);
+            let (numbers, _) = intersect(origin, pairs.direction(i), *corners);
             self.set(first + i, numbers, pairs.unit[i]);
         }
     }
@@ -128,9 +128,9 @@ impl RefinedHits {
     }
 }
 
-/// s, u, v and n·d, which is 0 if the hit is left to single rays.
+/// s, u, v and n·d, which is 0 if the hit is left to single rays, and whether the line certainly misses the triangle.
 #[inline(always)]
-fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
+fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> ([f64; 4], bool) {
     // U, V and W of `triangle`, from r = a × d.
     let a = c0 - origin;
     let e1 = c1 - c0;
@@ -148,17 +148,18 @@ fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
     let plain = ((low > bound) | (high < -bound)) & (delta.abs() >= GRAZING * (length * length));
     let inverse = 1.0 / delta;
     let s = n.dot(a) / delta;
-    [
+    let numbers = [
         s,
         ru * inverse,
         rv * inverse,
         if plain { delta } else { 0.0 },
-    ]
+    ];
+    (numbers, (low < -bound) & (high > bound))
 }
 
 /// Rays and triangles, one pair per lane.
 #[repr(C, align(64))]
-struct Pairs {
+pub(super) struct Pairs {
     directions: [[f64; GROUP]; 3],
     origins: [[f64; GROUP]; 3],
     /// The factor from s of the line to s of the ray.
@@ -167,7 +168,88 @@ struct Pairs {
     corners: [[f64; GROUP]; 9],
 }
 
+/// Where lines cross triangles, one pair per lane.
+#[repr(C, align(64))]
+pub(super) struct Crossings {
+    /// s of the line, u and v.
+    numbers: [[f64; GROUP]; 3],
+    /// n·d, or 0 if single rays decide.
+    delta: [f64; GROUP],
+    /// 1 if the line certainly misses, else 0.
+    missed: [f64; GROUP],
+}
+
+/// Whether a line crosses a triangle.
+pub(super) enum Answer {
+    Misses,
+    Crosses(Crossing),
+    /// Only exact arithmetic can tell, or s may have to be moved into the triangle's box.
+    Open,
+}
+
+impl Crossings {
+    /// Zeros, to be overwritten.
+    pub const NONE: Crossings = Crossings {
+        numbers: [[0.0; GROUP]; 3],
+        delta: [0.0; GROUP],
+        missed: [0.0; GROUP],
+    };
+
+    /// Intersects all of `pairs`.
+    #[inline(always)]
+    pub fn fill(&mut self, pairs: &Pairs) {
+        for i in 0..GROUP {
+            let corners = [pairs.corner(0, i), pairs.corner(3, i), pairs.corner(6, i)];
+            let ([s, u, v, delta], missed) =
+                intersect(pairs.origin(i), pairs.direction(i), corners);
+            self.numbers[0][i] = s;
+            self.numbers[1][i] = u;
+            self.numbers[2][i] = v;
+            self.delta[i] = delta;
+            self.missed[i] = if missed { 1.0 } else { 0.0 };
+        }
+    }
+
+    /// The answer for pair `i`.
+    #[inline(always)]
+    pub fn of(&self, i: usize) -> Answer {
+        let i = i % GROUP;
+        if self.missed[i] != 0.0 {
+            return Answer::Misses;
+        }
+        if self.delta[i] == 0.0 {
+            return Answer::Open;
+        }
+        Answer::Crosses(Crossing {
+            s: self.numbers[0][i],
+            u: self.numbers[1][i],
+            v: self.numbers[2][i],
+            front: self.delta[i] < 0.0,
+        })
+    }
+}
+
 impl Pairs {
+    /// Zeros, to be overwritten.
+    pub const NONE: Pairs = Pairs {
+        directions: [[0.0; GROUP]; 3],
+        origins: [[0.0; GROUP]; 3],
+        unit: [0.0; GROUP],
+        corners: [[0.0; GROUP]; 9],
+    };
+
+    /// Sets a pair: a line with |d|∞ in [1, 2), and a triangle.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, line: &Line, corners: &[DVec3; 3]) {
+        let i = i % GROUP;
+        let (o, d) = (line.origin, line.direction);
+        let [x, y, z] = &mut self.origins;
+        (x[i], y[i], z[i]) = (o.x, o.y, o.z);
+        let [x, y, z] = &mut self.directions;
+        (x[i], y[i], z[i]) = (d.x, d.y, d.z);
+        self.set_corners(i, corners);
+    }
+
     /// Rays with |d|∞ in [1, 2), scaled as single rays are.
     #[inline(always)]
     fn load<K: Simd, R: RaySet, const EACH: bool>(
@@ -176,12 +258,7 @@ impl Pairs {
         order: &[u32],
         in_fours: bool,
     ) -> Pairs {
-        let mut pairs = Pairs {
-            directions: [[0.0; GROUP]; 3],
-            origins: [[0.0; GROUP]; 3],
-            unit: [0.0; GROUP],
-            corners: [[0.0; GROUP]; 9],
-        };
+        let mut pairs = Pairs::NONE;
         let order = &order[..GROUP];
         let [x, y, z] = &mut pairs.directions;
         match rays.directions() {

@@ -6,7 +6,8 @@
 //! unpredictable branch, and then the triangles that the rays at leaves may hit: meanwhile these were loaded.
 //!
 //! Boxes are tested with the start and the bounds of [`slab`](crate::accel::slab), except for (W3). Triangles of a leaf that a ray
-//! certainly misses are identified in f32; the others are decided in f64 as everywhere, so that results are those of the binary tree.
+//! certainly misses are identified in f32; the others are decided in f64 as everywhere, eight pairs of
+//! ray and triangle at a time, so that results are those of the binary tree.
 //!
 //! **(W1) Shear.** Let z be the axis along which |d| is greatest, x and y the others, and Sx = dx/dz, Sy = dy/dz, neither of which exceeds
 //! 1 in size (Woop, Benthin, Wald, JCGT 2(1), 2013). The leaf's corners A are relative to its centre, and so is the point p at which the
@@ -30,15 +31,15 @@ use std::cell::Cell;
 use super::any_hits::SegmentSet;
 use super::lanes::{Boxes, Given, Lines, next_lane};
 use super::ray_set::{RAYS, RaySet};
+use super::refine::{Answer, Crossings, GROUP, Pairs};
 use super::simd::{Eight, Simd, Task};
 use crate::accel::bvh::View;
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
-use crate::accel::rays::Hit;
-use crate::accel::single::{AnyHit, ClosestHit};
+use crate::accel::rays::{Hit, NO_SLOT};
+use crate::accel::single::{Blocked, Collector, Nearest};
 use crate::accel::slab::far_of;
 use crate::accel::tally::{Counts, Work};
-use crate::accel::traverse::Query;
 use crate::accel::vectors::{prefetch, prefetch_either};
 use crate::accel::wide::{WIDTH, WideLeaf};
 
@@ -84,25 +85,26 @@ impl<R: RaySet> Task for ClosestSingles<'_, R> {
         }
         let [entering, left] = room.set_up(bvh, self.order.len());
         let mut walked = Walked { replaced: 0, left };
-        let scaled = room.lines.scaled(&room.given, entering);
         let traced = self.order.len().min(RAYS) - left.count_ones() as usize;
         self.tally.add(Work::Singles, traced);
-        let mut queries = Vec::with_capacity(scaled.len());
+        let mut nearest = [Nearest::none([0.0; 2], NO_SLOT); RAYS];
         let mut lanes = entering;
-        for scaled in &scaled {
-            let ray = self.order[next_lane(&mut lanes)] as usize;
+        while lanes != 0 {
+            let lane = next_lane(&mut lanes);
+            let ray = self.order[lane] as usize;
             // A known hit, in another tree, limits the ray: only nearer ones replace it.
             let s_max = match &self.hits[ray] {
                 Some(hit) => hit.s,
                 None => f64::INFINITY,
             };
-            queries.push(ClosestHit::new(bvh.bvh, scaled, s_max, rays.left(ray)));
+            let range = [room.given.s_min[lane], s_max].map(|s| s * room.lines.per_unit(lane));
+            nearest[lane] = Nearest::none(range, rays.left(ray));
         }
-        Walk::new(k.children(), bvh, room, entering).run(&mut queries, self.tally);
+        Walk::new(k.children(), bvh, room, entering).run(&mut nearest, self.tally);
         let mut lanes = entering;
-        for (query, scaled) in queries.into_iter().zip(&scaled) {
+        while lanes != 0 {
             let lane = next_lane(&mut lanes);
-            if let Some(hit) = query.into_hit(scaled) {
+            if let Some(hit) = nearest[lane].hit(bvh.bvh, room.lines.unit[lane]) {
                 self.hits[self.order[lane] as usize] = Some(hit);
                 walked.replaced |= 1 << lane;
             }
@@ -125,22 +127,20 @@ impl<S: SegmentSet> Task for AnySingles<'_, S> {
         }
         let [entering, left] = room.set_up(bvh, self.order.len());
         let walked = Walked { replaced: 0, left };
-        let scaled = room.lines.scaled(&room.given, entering);
         let traced = self.order.len().min(RAYS) - left.count_ones() as usize;
         self.tally.add(Work::Singles, traced);
-        let mut queries = Vec::with_capacity(scaled.len());
+        let mut blocked = [Blocked::NONE; RAYS];
         let mut lanes = entering;
-        for scaled in &scaled {
-            let segment = self
-                .segments
-                .segment(self.order[next_lane(&mut lanes)] as usize);
-            queries.push(AnyHit::new(bvh.bvh, scaled, &segment));
+        while lanes != 0 {
+            let lane = next_lane(&mut lanes);
+            let segment = self.segments.segment(self.order[lane] as usize);
+            blocked[lane] = Blocked::none(&segment, room.lines.per_unit(lane));
         }
-        Walk::new(k.children(), bvh, room, entering).run(&mut queries, self.tally);
+        Walk::new(k.children(), bvh, room, entering).run(&mut blocked, self.tally);
         let mut lanes = entering;
-        for query in &queries {
-            let ray = self.order[next_lane(&mut lanes)];
-            self.blocked[ray as usize] = query.is_found();
+        while lanes != 0 {
+            let lane = next_lane(&mut lanes);
+            self.blocked[self.order[lane] as usize] = blocked[lane].is_found();
         }
         walked
     }
@@ -197,8 +197,8 @@ impl Drop for ThreadRoom {
 #[derive(Clone, Copy)]
 struct Stack {
     /// Their entry parameters, or slightly less, and their indices. The first eight are sentinels.
-    entries: [u32; STACK + WIDTH],
-    nodes: [NodeRef; STACK + WIDTH],
+    entries: [u32; STACK + 2 * WIDTH],
+    nodes: [NodeRef; STACK + 2 * WIDTH],
 }
 
 impl Room {
@@ -208,8 +208,8 @@ impl Room {
             lines: Lines::NONE,
             boxes: Boxes::NONE,
             stacks: [Stack {
-                entries: [0; STACK + WIDTH],
-                nodes: [NodeRef::ROOT; STACK + WIDTH],
+                entries: [0; STACK + 2 * WIDTH],
+                nodes: [NodeRef::ROOT; STACK + 2 * WIDTH],
             }; SLOTS],
         })
     }
@@ -262,6 +262,7 @@ impl Lanes {
 struct Walk<'a, K: Simd> {
     kernel: K,
     bvh: View<'a>,
+    given: &'a Given,
     lines: &'a Lines,
     boxes: &'a mut Boxes,
     stacks: &'a mut [Stack; SLOTS],
@@ -283,6 +284,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         Walk {
             kernel,
             bvh,
+            given: &room.given,
             lines: &room.lines,
             boxes: &mut room.boxes,
             stacks: &mut room.stacks,
@@ -296,46 +298,44 @@ impl<'a, K: Eight> Walk<'a, K> {
         }
     }
 
-    /// Runs `queries` on the tree, one for each ray that is traced through it.
+    /// Collects what the rays that are traced through the tree cross; `collectors` are by lane.
     #[inline(always)]
-    fn run<Q: Query>(mut self, queries: &mut [Q], tally: &mut Counts) {
-        let mut query_of = [0; RAYS];
+    fn run<C: Collector>(mut self, collectors: &mut [C; RAYS], tally: &mut Counts) {
+        let bvh = self.bvh.bvh;
         let mut lanes = self.entering;
-        for (at, query) in queries.iter().enumerate().take(RAYS) {
+        while lanes != 0 {
             let lane = next_lane(&mut lanes);
-            query_of[lane] = at as u8;
-            self.narrow(lane, query.limit());
+            self.narrow(lane, collectors[lane].limit());
         }
         // Start as many as there are stacks; the others follow as stacks become free.
-        for slot in 0..queries.len().min(SLOTS) {
+        for slot in 0..(self.entering.count_ones() as usize).min(SLOTS) {
             let lane = next_lane(&mut self.coming);
             self.slots[lane] = slot as u8;
             self.at_nodes.push(lane);
         }
-        // Candidate triangles: ray and slot.
-        let mut pairs = [(0, 0); SLOTS * WIDTH];
+        // Candidate triangles: their slots, and the lanes of their rays.
+        let mut slots = [0; SLOTS * WIDTH + WIDTH];
+        let mut lanes = [0u8; SLOTS * WIDTH + WIDTH];
+        let (mut pairs, mut crossings) = (Pairs::NONE, Crossings::NONE);
         while self.at_nodes.count + self.at_leaves.count > 0 {
             let leaves = std::mem::replace(&mut self.at_leaves, Lanes::NONE);
             let mut found = 0;
             for &lane in leaves.all() {
-                let lane = lane as usize % RAYS;
-                let leaf = &self.bvh.tree.wide.leaves[self.next[lane].index()];
-                let mut candidates = self.candidates(lane, leaf);
-                // Usually there is none or one: the first is stored without a branch.
-                loop {
-                    let slot = leaf.first + candidates.trailing_zeros() % WIDTH as u32;
-                    // The first and the last corner: they may be in different cache lines.
-                    let corners = self.bvh.corners.as_flattened();
-                    prefetch(corners, 3 * slot as usize);
-                    prefetch(corners, 3 * slot as usize + 2);
-                    prefetch(&self.bvh.tags, slot as usize);
-                    pairs[found.min(SLOTS * WIDTH - 1)] = (lane as u32, slot);
-                    found += usize::from(candidates != 0);
-                    candidates &= candidates.wrapping_sub(1);
-                    if candidates == 0 {
-                        break;
-                    }
-                }
+                let leaf = &self.bvh.tree.wide.leaves[self.next[lane as usize % RAYS].index()];
+                let candidates = self.candidates(lane as usize % RAYS, leaf);
+                // Eight are always stored; those that are none are overwritten.
+                let at = found % (SLOTS * WIDTH);
+                lanes[at..at + WIDTH].fill(lane);
+                found += self
+                    .kernel
+                    .push_bits(candidates, leaf.first, &mut slots[at..at + WIDTH]);
+            }
+            let found = found.min(SLOTS * WIDTH);
+            let corners = bvh.corners.as_flattened();
+            for &slot in &slots[..found] {
+                // The first and the last corner: they may be in different cache lines.
+                prefetch(corners, 3 * slot as usize);
+                prefetch(corners, 3 * slot as usize + 2);
             }
             let nodes = std::mem::replace(&mut self.at_nodes, Lanes::NONE);
             tally.add(Work::Nodes, nodes.count);
@@ -343,17 +343,38 @@ impl<'a, K: Eight> Walk<'a, K> {
                 self.enter(lane as usize % RAYS);
             }
             // Last, because the prefetched triangles arrive while the other rays step through nodes.
-            for &(lane, slot) in &pairs[..found] {
-                let lane = lane as usize % RAYS;
-                if queries[query_of[lane] as usize].triangle(slot as usize, tally) {
-                    // The query has its answer: no pending box matters any more.
-                    self.counts[lane] = 0;
+            tally.add(Work::Triangles, found);
+            let groups = slots[..found]
+                .chunks(GROUP)
+                .zip(lanes[..found].chunks(GROUP));
+            for (slots, lanes) in groups {
+                for (i, (&slot, &lane)) in slots.iter().zip(lanes).enumerate() {
+                    let line = self.lines.line(self.given, lane as usize % RAYS);
+                    pairs.set(i, &line, &bvh.corners[slot as usize]);
+                }
+                crossings.fill(&pairs);
+                for (i, (&slot, &lane)) in slots.iter().zip(lanes).enumerate() {
+                    let lane = lane as usize % RAYS;
+                    let collector = &mut collectors[lane];
+                    let is_done = match crossings.of(i) {
+                        Answer::Misses => continue,
+                        Answer::Crosses(_) if collector.ignores(slot) => continue,
+                        Answer::Crosses(crossing) => collector.take(bvh, slot, crossing),
+                        Answer::Open => {
+                            let line = self.lines.line(self.given, lane);
+                            collector.test(bvh, &line, slot, tally)
+                        }
+                    };
+                    if is_done {
+                        // No pending box matters any more.
+                        self.counts[lane] = 0;
+                    }
                 }
             }
             for &lane in leaves.all() {
                 let lane = lane as usize % RAYS;
                 // A nearer hit narrows the range.
-                self.narrow(lane, queries[query_of[lane] as usize].limit());
+                self.narrow(lane, collectors[lane].limit());
                 self.go_on(lane);
             }
             // After all of them, because values that were just stored cannot be loaded without a stall.
@@ -394,7 +415,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         let count = self.counts[lane];
         let stack = &mut self.stacks[self.slots[lane] as usize % SLOTS];
         // Trees deep enough to fill the stack are excluded ([`DEPTH`]); the remainder avoids a bounds check.
-        let first = WIDTH + count as usize % (STACK - WIDTH);
+        let first = WIDTH + count as usize % STACK;
         let entries = &mut stack.entries[first..first + WIDTH];
         let nodes = &mut stack.nodes[first..first + WIDTH];
         let hit = k.push_hits(enter, leave, &node.children, entries, nodes);

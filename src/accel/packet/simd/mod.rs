@@ -129,6 +129,10 @@ pub(super) trait Eight: Simd {
     /// The smallest lane of each of the four.
     fn smallest_of_each(self, x: [Self::F; 4]) -> [f32; 4];
 
+    /// Stores `first` + i for each bit i of the lowest eight of `bits` that is set, in order, in the first elements of `to`. The other
+    /// elements up to the eighth are filled with arbitrary values. Returns the number of bits set.
+    fn push_bits(self, bits: u32, first: u32, to: &mut [u32]) -> usize;
+
     /// Which of the first eight of `entries`, as returned by [`Eight::push_hits`], are entered at or before `limit`, as bits.
     fn within(self, entries: &[u32], limit: f32) -> u32;
 }

@@ -177,6 +177,18 @@ impl Eight for Portable {
     }
 
     #[inline(always)]
+    fn push_bits(self, bits: u32, first: u32, to: &mut [u32]) -> usize {
+        let mut count = 0;
+        for i in 0..8 {
+            if bits >> i & 1 != 0 {
+                to[count] = first + i;
+                count += 1;
+            }
+        }
+        count
+    }
+
+    #[inline(always)]
     fn within(self, entries: &[u32], limit: f32) -> u32 {
         let entries = &entries[..8];
         mask(|i| f32::from_bits(entries[i] & !LOWEST) <= limit)

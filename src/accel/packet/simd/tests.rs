@@ -114,6 +114,15 @@ impl Task for CheckEight {
             }
             let hit = (0..8).filter(|&i| enter[i] <= leave[i]).count();
             assert_eq!(count, hit);
+            // Bits beyond the eighth do not count.
+            let before = (0..8).filter(|&i| enter[i] <= 0.25).map(|i| 1 << i);
+            let bits = before.sum::<u32>() | 0x100;
+            let (mut numbers, mut expected_numbers) = ([0; 8], [0; 8]);
+            let set = k.push_bits(bits, 1000, &mut numbers);
+            assert_eq!(set, Portable.push_bits(bits, 1000, &mut expected_numbers));
+            assert_eq!(numbers[..set], expected_numbers[..set]);
+            let is_set = (0..8).filter(|i| bits >> i & 1 != 0).map(|i| 1000 + i);
+            assert!(is_set.eq(numbers[..set].iter().copied()));
             let within = k.within(&expected, leave[0]);
             let near = |i: usize| f32::from_bits(expected[i] & !LOWEST) <= leave[0];
             assert!((0..32).all(|i| (within >> i & 1 != 0) == (i < 8 && near(i))));

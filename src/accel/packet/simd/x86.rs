@@ -295,6 +295,21 @@ impl Eight for Avx2 {
     }
 
     #[inline(always)]
+    fn push_bits(self, bits: u32, first: u32, to: &mut [u32]) -> usize {
+        let to = &mut to[..8];
+        // SAFETY: as for `run`; `to` has eight elements of 32 bits each.
+        unsafe {
+            // A byte of ones for each bit that is set; the bytes 0 to 7 at these places, closed up.
+            let bytes = _pdep_u64(u64::from(bits), 0x0101_0101_0101_0101) * 0xff;
+            let places = _pext_u64(0x0706_0504_0302_0100, bytes);
+            let places = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(places as i64));
+            let numbers = _mm256_add_epi32(places, _mm256_set1_epi32(first as i32));
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), numbers);
+        }
+        (bits & 0xff).count_ones() as usize
+    }
+
+    #[inline(always)]
     fn within(self, entries: &[u32], limit: f32) -> u32 {
         let entries = &entries[..8];
         // SAFETY: as for `run`; `entries` has eight elements.

@@ -100,6 +100,37 @@ fn the_same_layers_give_the_same_bytes() {
 }
 
 #[test]
+fn pictures_in_memory_are_the_bytes_of_their_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let layers = layers();
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    let path = folder.path().join("a.npz");
+    npz::write(&path, &layers).unwrap();
+    assert!(npz::encode(&path, &layers).unwrap() == read("a.npz"));
+    for (half, sealed) in [(false, false), (true, true)] {
+        let path = folder.path().join("a.exr");
+        let options = exr::Options {
+            half,
+            sealed,
+            ..exr::Options::default()
+        };
+        exr::write_with(&path, &layers, &options).unwrap();
+        assert!(exr::encode(&path, &layers, &options).unwrap() == read("a.exr"));
+    }
+    let (text, codes) = (layers.metadata.as_slice(), 3 * WIDTH * HEIGHT);
+    let path = folder.path().join("a.png");
+    let rgb: Vec<u8> = (0..codes).map(|i| (i * 7) as u8).collect();
+    png::write(&path, WIDTH, HEIGHT, &rgb, text).unwrap();
+    assert!(png::encode(&path, WIDTH, HEIGHT, &rgb, text).unwrap() == read("a.png"));
+    let rgb: Vec<u16> = (0..codes).map(|i| (i * 777) as u16).collect();
+    png::write_16(&path, WIDTH, HEIGHT, &rgb, text).unwrap();
+    assert!(png::encode_16(&path, WIDTH, HEIGHT, &rgb, text).unwrap() == read("a.png"));
+    // What a file refuses is refused, with its name.
+    let wrong = png::encode(&path, WIDTH, HEIGHT, &[0; 5], text).unwrap_err();
+    assert!(wrong.to_string().contains("a.png"), "{wrong}");
+}
+
+#[test]
 fn half_precision_is_for_what_is_looked_at_alone() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("a.exr");

@@ -1,6 +1,8 @@
 //! Pictures within drawings, as the writers embed them.
 
-use crate::error::{Error, Result};
+use std::path::Path;
+
+use crate::error::Result;
 use crate::io::image::{RgbImage, png};
 
 /// The digits of base 64 (RFC 4648, section 4).
@@ -11,19 +13,13 @@ const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz
 /// # Errors
 /// Sizes that PNG does not hold.
 pub(super) fn png_of(image: &RgbImage) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let encoded = png::encode(
-        &mut bytes,
-        [image.width, image.height],
-        ::png::BitDepth::Eight,
+    png::encode(
+        Path::new("drawing"),
+        image.width,
+        image.height,
         &image.rgb,
         &[],
-    );
-    encoded.map_err(|e| {
-        let what = format!("a picture cannot be written as PNG: {e}");
-        Error::invalid("drawing", "", what, "")
-    })?;
-    Ok(bytes)
+    )
 }
 
 /// Adds `bytes` in base 64: three bytes are four digits, the last ones filled up with `=`.

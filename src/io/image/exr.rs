@@ -37,7 +37,7 @@ use ::exr::prelude::{
 use rayon::prelude::*;
 
 use super::decoder::guarded;
-use super::file::{write_atomically, write_failed};
+use super::file::{Seekable, write_atomically, write_failed};
 use super::layers::{Channel, Layers, Samples, check_count, check_metadata, keep_first};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
@@ -380,11 +380,9 @@ pub fn write(path: &Path, layers: &Layers) -> Result<()> {
 /// # Errors
 /// As for [`write()`].
 pub fn write_with(path: &Path, layers: &Layers, options: &Options) -> Result<()> {
-    layers.check()?;
-    check_limits(path, layers)?;
-    let image = image(layers, options);
+    let image = checked_image(path, layers, options)?;
     write_atomically(path, |writer| {
-        let written = write_blocks(&image, &mut *writer);
+        let written = write_blocks(&image, writer);
         written.map_err(|e| failure(path, e))?;
         sort(writer).map_err(write_failed(path))?;
         match options.sealed {
@@ -394,10 +392,37 @@ pub fn write_with(path: &Path, layers: &Layers, options: &Options) -> Result<()>
     })
 }
 
+/// The bytes that [`write_with`] would write to `path`, which is only the name in errors.
+///
+/// # Errors
+/// As for [`write()`].
+pub fn encode(path: &Path, layers: &Layers, options: &Options) -> Result<Vec<u8>> {
+    let image = checked_image(path, layers, options)?;
+    let mut bytes = io::Cursor::new(Vec::new());
+    write_blocks(&image, &mut bytes).map_err(|e| failure(path, e))?;
+    sort_attributes(&mut bytes).map_err(write_failed(path))?;
+    let mut bytes = bytes.into_inner();
+    if options.sealed {
+        sealed::seal_bytes(&mut bytes);
+    }
+    Ok(bytes)
+}
+
+/// The image of `layers`, which the format can store.
+fn checked_image(
+    path: &Path,
+    layers: &Layers,
+    options: &Options,
+) -> Result<Image<Layer<AnyChannels<FlatSamples>>>> {
+    layers.check()?;
+    check_limits(path, layers)?;
+    Ok(image(layers, options))
+}
+
 /// Compresses the blocks of `image` on the threads of the pool, several at a time, and writes them in order.
 fn write_blocks(
     image: &Image<Layer<AnyChannels<FlatSamples>>>,
-    to: impl Write + Seek,
+    to: &mut dyn Seekable,
 ) -> ::exr::error::UnitResult {
     let headers = image.write().infer_meta_data();
     let layers = image.layer_data.create_writer(&headers);

@@ -4,7 +4,7 @@
 //! existing file of that name is unchanged, and on any failure the temporary file is removed.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
@@ -66,6 +66,11 @@ fn sync_directory(target: &Path) {
         let _ = directory.sync_all();
     }
 }
+
+/// A file, or one in memory, that is written at any place.
+pub(super) trait Seekable: Write + Seek {}
+
+impl<W: Write + Seek> Seekable for W {}
 
 /// For `map_err`: an I/O error while writing `path`.
 pub(super) fn write_failed(path: &Path) -> impl FnOnce(io::Error) -> Error {

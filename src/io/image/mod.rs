@@ -2,7 +2,7 @@
 //!
 //! [`Layers`] holds the data of a frame per pixel: named channels, each in the precision in which it was computed. The writers store them
 //! in `.exr` (linear, f32), `.npz` (NumPy, f64) and `.png` (display). Every file appears at once and complete, or not at all
-//! ([`write_atomically`]). [`Texture`] is an image on surfaces.
+//! ([`write_atomically`]); `encode` gives the same bytes in memory. [`Texture`] is an image on surfaces.
 //!
 //! This module is the only user of the crates `exr`, `png` and `zune-jpeg`, except for the PNG of drawings.
 

@@ -8,13 +8,13 @@
 
 use std::cell::RefCell;
 use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::file::{write_all, write_atomically, write_failed};
+use super::file::{Seekable, write_all, write_atomically, write_failed};
 use super::layers::{Channel, Layers, Samples};
 use crate::error::{Error, Result};
 use crate::io::cube::{Cube, CubeSamples};
@@ -41,26 +41,53 @@ pub fn write_sealed(path: &Path, layers: &Layers) -> Result<()> {
 }
 
 fn write_with(path: &Path, layers: &Layers, is_sealed: bool) -> Result<()> {
-    layers.check()?;
-    let arrays = arrays(layers);
-    check_names(path, &arrays)?;
+    let arrays = checked_arrays(path, layers)?;
     write_atomically(path, |writer| {
-        let failed = RefCell::new(None);
-        let mut archive = ZipWriter::new(Unfailing::new(writer, &failed));
-        if is_sealed {
-            let set = archive.set_comment(sealed::blank());
-            set.map_err(|e| failure(path, e))?;
-        }
-        let written = write_archive(archive, path, layers, &arrays, &failed);
-        match failed.into_inner() {
-            None => written?,
-            Some(failure) => return Err(write_failed(path)(failure)),
-        }
+        write_layers(writer, path, layers, &arrays, is_sealed)?;
         match is_sealed {
             true => seal(writer).map_err(write_failed(path)),
             false => Ok(()),
         }
     })
+}
+
+/// The bytes that [`write()`] would write to `path`, which is only the name in errors.
+///
+/// # Errors
+/// As for [`write()`].
+pub fn encode(path: &Path, layers: &Layers) -> Result<Vec<u8>> {
+    let arrays = checked_arrays(path, layers)?;
+    let mut bytes = Cursor::new(Vec::new());
+    write_layers(&mut bytes, path, layers, &arrays, false)?;
+    Ok(bytes.into_inner())
+}
+
+/// The arrays of an archive with `layers`, which it can store.
+fn checked_arrays<'a>(path: &Path, layers: &'a Layers) -> Result<Vec<Array<'a>>> {
+    layers.check()?;
+    let arrays = arrays(layers);
+    check_names(path, &arrays)?;
+    Ok(arrays)
+}
+
+fn write_layers(
+    writer: &mut dyn Seekable,
+    path: &Path,
+    layers: &Layers,
+    arrays: &[Array],
+    is_sealed: bool,
+) -> Result<()> {
+    let failed = RefCell::new(None);
+    let mut archive = ZipWriter::new(Unfailing::new(writer, &failed));
+    if is_sealed {
+        let set = archive.set_comment(sealed::blank());
+        set.map_err(|e| failure(path, e))?;
+    }
+    let written = write_archive(archive, path, layers, arrays, &failed);
+    match failed.into_inner() {
+        None => written,
+        Some(failure) => Err(write_failed(path)(failure)),
+    }
 }
 
 fn seal(writer: &mut BufWriter<File>) -> io::Result<()> {
@@ -228,7 +255,7 @@ fn write_more(archive: &mut Archive, path: &Path, options: &CubeOptions) -> Resu
 /// A writer that keeps its first failure to itself and discards everything after it: an archive with a failed writer complains on standard
 /// error when it is dropped.
 struct Unfailing<'a> {
-    writer: &'a mut BufWriter<File>,
+    writer: &'a mut dyn Seekable,
     failure: &'a RefCell<Option<io::Error>>,
     /// The position in the file, and the file's length, as they would be without a failure.
     at: u64,
@@ -236,7 +263,7 @@ struct Unfailing<'a> {
 }
 
 impl<'a> Unfailing<'a> {
-    fn new(writer: &'a mut BufWriter<File>, failure: &'a RefCell<Option<io::Error>>) -> Self {
+    fn new(writer: &'a mut dyn Seekable, failure: &'a RefCell<Option<io::Error>>) -> Self {
         Unfailing {
             writer,
             failure,
@@ -246,7 +273,7 @@ impl<'a> Unfailing<'a> {
     }
 
     /// Does `work` unless something has failed, and records its failure.
-    fn attempt<T>(&mut self, work: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) {
+    fn attempt<T>(&mut self, work: impl FnOnce(&mut dyn Seekable) -> io::Result<T>) {
         let mut failure = self.failure.borrow_mut();
         if failure.is_none() {
             *failure = work(self.writer).err();
@@ -263,7 +290,7 @@ impl Write for Unfailing<'_> {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.attempt(BufWriter::flush);
+        self.attempt(|writer| writer.flush());
         Ok(())
     }
 }

@@ -45,12 +45,73 @@ pub fn write_16(
     rgb: &[u16],
     text: &[(String, String)],
 ) -> Result<()> {
-    // Most significant byte first.
-    let bytes: Vec<u8> = rgb.iter().flat_map(|code| code.to_be_bytes()).collect();
+    let bytes = big_endian(rgb);
     write_codes(path, [width, height], BitDepth::Sixteen, &bytes, text)
 }
 
+/// The bytes that [`write()`] would write to `path`, which is only the name in errors.
+///
+/// # Errors
+/// As for [`write()`].
+pub fn encode(
+    path: &Path,
+    width: u32,
+    height: u32,
+    rgb: &[u8],
+    text: &[(String, String)],
+) -> Result<Vec<u8>> {
+    encode_codes(path, [width, height], BitDepth::Eight, rgb, text)
+}
+
+/// The same for [`write_16`].
+///
+/// # Errors
+/// As for [`write()`].
+pub fn encode_16(
+    path: &Path,
+    width: u32,
+    height: u32,
+    rgb: &[u16],
+    text: &[(String, String)],
+) -> Result<Vec<u8>> {
+    let bytes = big_endian(rgb);
+    encode_codes(path, [width, height], BitDepth::Sixteen, &bytes, text)
+}
+
+fn encode_codes(
+    path: &Path,
+    size: [u32; 2],
+    depth: BitDepth,
+    bytes: &[u8],
+    text: &[(String, String)],
+) -> Result<Vec<u8>> {
+    check(path, size, depth, bytes, text)?;
+    let mut encoded = Vec::new();
+    encode_to(&mut encoded, size, depth, bytes, text).map_err(|e| failure(path, e))?;
+    Ok(encoded)
+}
+
+/// Codes as PNG stores them: the most significant byte first.
+fn big_endian(codes: &[u16]) -> Vec<u8> {
+    codes.iter().flat_map(|code| code.to_be_bytes()).collect()
+}
+
 fn write_codes(
+    path: &Path,
+    size: [u32; 2],
+    depth: BitDepth,
+    bytes: &[u8],
+    text: &[(String, String)],
+) -> Result<()> {
+    check(path, size, depth, bytes, text)?;
+    write_atomically(path, |writer| {
+        let encoded = encode_to(writer, size, depth, bytes, text);
+        encoded.map_err(|e| failure(path, e))
+    })
+}
+
+/// Refuses what the format cannot store.
+fn check(
     path: &Path,
     [width, height]: [u32; 2],
     depth: BitDepth,
@@ -66,10 +127,7 @@ fn write_codes(
     for (key, value) in text {
         check_metadata(key, value)?;
     }
-    write_atomically(path, |writer| {
-        let encoded = encode(writer, [width, height], depth, bytes, text);
-        encoded.map_err(|e| failure(path, e))
-    })
+    Ok(())
 }
 
 /// An encoder of 8-bit sRGB pictures of this size.
@@ -87,7 +145,7 @@ pub(crate) fn encoder<W: Write>(
 }
 
 /// Writes RGB pixels of this size, with text chunks.
-pub(crate) fn encode(
+fn encode_to(
     writer: impl Write,
     size: [u32; 2],
     depth: BitDepth,

@@ -9,8 +9,8 @@ use tiny_skia::{
 use super::marks::{Line, Mark, marks, marks_of};
 use super::{Cap, Colour, Drawing, Item, Join, Path};
 use crate::error::{Error, Result};
-use crate::figures::text::{Rect, Segment};
 use crate::io::image::{RgbImage, png};
+use crate::text::{Rect, Segment};
 
 /// The most pixels of a picture: 1 GiB of memory.
 const MOST_PIXELS: f64 = (1u64 << 28) as f64;

@@ -1,7 +1,7 @@
 //! A canvas for the tests' readers.
 
 use nullray::figures::drawing::png::path_of as path;
-use nullray::figures::text::Segment;
+use nullray::text::Segment;
 use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Pixmap, Stroke, StrokeDash, Transform};
 
 pub struct Canvas {

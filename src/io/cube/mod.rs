@@ -57,11 +57,12 @@ pub use negative::{BelowZero, Negative};
 pub use pages::BRICK;
 pub use picture::frame_count;
 pub(crate) use pieces::Pieces;
-pub use recorded::{Recorded, recorded};
+pub use recorded::Recorded;
 pub use samples::{Cube, CubeError, CubeSamples};
 pub use sequence::{frame_size, is_picture};
 pub use table::{
-    FORMATS, extensions, files, format_called, format_of, inspect, load, load_bytes, times, wall,
+    FORMATS, extensions, files, format_called, format_of, inspect, load, load_bytes, recorded,
+    times, wall,
 };
 pub use wall::Wall;
 pub use wanted::{BinSizes, CubeInfo, FileTimes, Transfer, Wanted};

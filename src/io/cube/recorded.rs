@@ -9,6 +9,7 @@ use crate::io::npy;
 
 /// What a file says of the light in a cube. All but the times are in the metadata of archives that nullray wrote.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Recorded {
     /// The time axis.
     pub times: Option<FileTimes>,

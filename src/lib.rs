@@ -42,7 +42,7 @@
 //!
 //! ```
 //! use nullray::io::image::png;
-//! use nullray::render::{plan::{Plan, Request}, prepare::Prepared, progress::Silent, render, tonemap::tonemap};
+//! use nullray::render::{Plan, Prepared, Request, Silent, render, tonemap::tonemap};
 //! use nullray::scene::{self, Overrides};
 //! # fn main() -> nullray::Result<()> {
 //! let text = r#"
@@ -96,3 +96,5 @@ pub use error::{Error, Result};
 pub use glam;
 /// Half precision of cubes and pictures.
 pub use half;
+/// JSON: schemas and the metadata of files.
+pub use serde_json;

@@ -218,7 +218,7 @@ impl Canvas {
 }
 
 /// The segments as a tiny-skia path; `None` if there is nothing to draw.
-pub fn path_of(segments: &[Segment]) -> Option<tiny_skia::Path> {
+fn path_of(segments: &[Segment]) -> Option<tiny_skia::Path> {
     let mut path = PathBuilder::new();
     for segment in segments {
         match *segment {

@@ -120,7 +120,7 @@ fn masked_runs(patches: &[Patch], light: &Builder) -> Vec<MaskedRun> {
 ///
 /// # Errors
 /// Those of [`gltf::load`], and vertices that are out of range.
-pub fn object_mesh(
+pub(crate) fn object_mesh(
     scene: &Scene,
     object: &Object,
     want: gltf::Want,

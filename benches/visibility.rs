@@ -116,7 +116,7 @@ fn cases(bvh: Bvh, peer: Peer) -> Vec<Case> {
         });
     };
     for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
-        let name = kernel_name(kernel);
+        let name = kernel.name();
         for (precision, called) in [
             (Precision::Fast, "fast"),
             (Precision::Certified, "certified"),
@@ -139,15 +139,6 @@ fn cases(bvh: Bvh, peer: Peer) -> Vec<Case> {
     let trace_peer = move |shots: &Shots| peer.trace(shots.camera.origin, &shots.camera.directions);
     add("shared", "fast", "obvhs", Box::new(trace_peer));
     cases
-}
-
-fn kernel_name(kernel: Kernel) -> &'static str {
-    match kernel {
-        Kernel::Avx512 => "avx512",
-        Kernel::Avx2 => "avx2",
-        Kernel::Portable => "portable",
-        Kernel::Scalar => "scalar",
-    }
 }
 
 /// The times of the cases, and how many rays hit.

@@ -2,12 +2,8 @@
 //! `cargo run --release --example compare_pictures`.
 
 use nullray::io::image::Layers;
-use nullray::render::aov::Aov;
 use nullray::render::metadata::metadata;
-use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
-use nullray::render::progress::Silent;
-use nullray::render::render;
+use nullray::render::{Aov, Plan, Prepared, Request, Silent, render};
 use nullray::scene::Builder;
 use nullray::scene::model::Shape;
 use nullray::validate::compare::{Picture, compare, report};

@@ -6,13 +6,10 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use nullray::io::image::png;
-use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
-use nullray::render::progress::Silent;
 use nullray::render::trace::{
     Colouring, Emission, Emitted, Meter, Radiance, Response, Run, Scaling,
 };
-use nullray::render::{render, tonemap};
+use nullray::render::{Plan, Prepared, Request, Silent, render, tonemap};
 use nullray::scene::Builder;
 use nullray::scene::model::{Exposure, Shape};
 use nullray::spacetime::Quantity;

@@ -1,11 +1,7 @@
 //! A scene made of values, without any file, rendered, and its channels read:
 //! `cargo run --release --example from_code`.
 
-use nullray::render::aov::Aov;
-use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
-use nullray::render::progress::Silent;
-use nullray::render::render;
+use nullray::render::{Aov, Plan, Prepared, Request, Silent, render};
 use nullray::scene::Builder;
 use nullray::scene::model::Shape;
 

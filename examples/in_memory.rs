@@ -9,8 +9,7 @@ use nullray::glam::DVec3;
 use nullray::io::cube::{Cube, CubeSamples};
 use nullray::io::image::png;
 use nullray::mesh::Mesh;
-use nullray::render::plan::{Plan, Request};
-use nullray::render::{metadata::metadata, prepare::Prepared, progress::Silent, render, tonemap};
+use nullray::render::{Plan, Prepared, Request, Silent, metadata::metadata, render, tonemap};
 use nullray::scene::Builder;
 use nullray::scene::model::Shape;
 

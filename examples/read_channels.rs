@@ -7,10 +7,7 @@ use nullray::io::budget::Budget;
 use nullray::io::image::{Layers, exr};
 use nullray::render::aov;
 use nullray::render::metadata::metadata;
-use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
-use nullray::render::progress::Silent;
-use nullray::render::render;
+use nullray::render::{Plan, Prepared, Request, Silent, render};
 use nullray::scene::Builder;
 use nullray::scene::model::Shape;
 

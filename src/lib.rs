@@ -14,7 +14,7 @@
 //!
 //! # Modules, from bottom to top
 //!
-//! Each may use those above it in this table, and none below; but for the caption of a scene, which [`figures`] sets.
+//! Each may use those above it in this table, and none below.
 //!
 //! | module | contents |
 //! |---|---|
@@ -23,6 +23,7 @@
 //! | [`colour`] | sRGB, the CIE observer, spectral lines |
 //! | [`mesh`] | triangles, materials, built-in shapes |
 //! | [`accel`] | nearest and any hits of rays with triangles at rest; loops for wide vectors |
+//! | [`text`] | text as outlines, the same on every machine |
 //! | [`io`] | glTF, NumPy arrays, pictures, files that scenes name |
 //! | [`scene`] | from the text of a scene file to a typed model |
 //! | [`camera`] | from film points to null rays |
@@ -41,7 +42,7 @@
 //!
 //! ```
 //! use nullray::io::image::png;
-//! use nullray::render::{plan::{Plan, Request}, prepare::Prepared, progress::Silent, render, tonemap::tonemap};
+//! use nullray::render::{Plan, Prepared, Request, Silent, render, tonemap::tonemap};
 //! use nullray::scene::{self, Overrides};
 //! # fn main() -> nullray::Result<()> {
 //! let text = r#"
@@ -87,6 +88,7 @@ pub mod mesh;
 pub mod render;
 pub mod scene;
 pub mod spacetime;
+pub mod text;
 pub mod validate;
 
 pub use error::{Error, Result};
@@ -94,3 +96,5 @@ pub use error::{Error, Result};
 pub use glam;
 /// Half precision of cubes and pictures.
 pub use half;
+/// JSON: schemas and the metadata of files.
+pub use serde_json;

@@ -17,7 +17,7 @@ use nullray::light::time_texture::survey::{Order, of_samples};
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Bins, Coordinates, CubePrecision, Surface};
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::{Prepared, SurfaceLight};
+use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::trace::RestFrame;
 use nullray::scene::model::Scene;
@@ -131,11 +131,8 @@ fn a_cube_that_several_sources_show_is_held_once() {
     let shapes = object(0, SPHERE, 0.0) + &object(1, SPHERE, 0.5);
     let (plan, prepared) = prepare(&shapes, 2);
     assert_eq!(plan.memory.cubes, 4 * 4 * 5 * 6);
-    let SurfaceLight::TimeResolved(light) = prepared.light else {
-        panic!("no cube");
-    };
-    let [first, second] = light.cubes.as_slice() else {
-        panic!("{} sources", light.cubes.len());
+    let [first, second] = prepared.cubes() else {
+        panic!("{} sources", prepared.cubes().len());
     };
     assert!(std::ptr::eq(
         first.cube().in_memory().unwrap(),

@@ -10,7 +10,6 @@ use nullray::figures::diagram;
 use nullray::figures::drawing::svg;
 use nullray::figures::isochrones::{self, IsochroneOptions};
 use nullray::figures::overlay::{self, Overlay, Parts};
-use nullray::figures::text::RichText;
 use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Bricks, Held, Wanted};
 use nullray::io::gltf::{self, Want};
@@ -27,6 +26,7 @@ use nullray::render::render;
 use nullray::render::tonemap::tonemap;
 use nullray::scene::model::{BadTextures, BadVertices, Scene};
 use nullray::scene::{self, Overrides, SceneFile};
+use nullray::text::RichText;
 use nullray::validate::compare::{Encoding, Picture, Tolerance};
 
 /// A target: its name, which is that of its folder of the corpus, and the extension of its files.

@@ -50,7 +50,7 @@ use crate::spacetime::{
 
 /// A camera whose rays all leave one event.
 #[derive(Debug, Clone)]
-pub struct Observer {
+pub(crate) struct Observer {
     film: AnyProjection,
     linear: Linear,
     shot: Shot,

@@ -1,9 +1,9 @@
 //! Captions below pictures.
 
 use nullray::camera::Camera;
-use nullray::figures::text::RichText;
 use nullray::scene::model::Scene;
 use nullray::spacetime::Velocity;
+use nullray::text::RichText;
 use nullray::{Error, Result};
 
 use super::failure::refused;

@@ -61,7 +61,7 @@ pub fn blackness(
         "what is in view shines, but none of its light is visible".into()
     } else if prepared.is_some_and(|p| is_shut_in(scene, p)) {
         "all light is inside objects, whose outside it does not light".into()
-    } else if is_from_data(scene) && prepared.is_some_and(|p| p.light.has_dark_data()) {
+    } else if is_from_data(scene) && prepared.is_some_and(|p| p.has_dark_data()) {
         "the data of what is in view are dark: all their numbers are 0".into()
     } else {
         let missing = film.mean_coverage().and_then(missing);

@@ -162,7 +162,7 @@ fn report(lines: &[Line], effort: Effort) -> Value {
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "thorough": effort == Effort::Thorough,
-        "kernel": format!("{:?}", Kernel::best()).to_lowercase(),
+        "kernel": Kernel::best().name(),
         "threads": rayon::current_num_threads(),
         "holds": lines.iter().all(Line::holds),
         "checks": lines.iter().map(Line::json).collect::<Vec<_>>(),

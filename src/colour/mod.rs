@@ -16,7 +16,7 @@ mod spectrum;
 mod srgb;
 mod table;
 
-pub use blackbodies::blackbody_colour;
+pub(crate) use blackbodies::blackbody_colour;
 pub use companions::{CompanionShift, INFRARED, ULTRAVIOLET};
 pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::{OBSERVED_NM, colour_matching};
@@ -30,4 +30,5 @@ pub(crate) use sampled::{
 pub use shift::{ColourTable, ReflectionTable, RgbShift};
 pub(crate) use shift_matrix::ShiftMatrix;
 pub use spectrum::{Scale, Spectrum, SpectrumShape};
-pub use srgb::{rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8, srgb_encode_16};
+pub use srgb::{rgb_from_xyz, srgb_decode, srgb_encode};
+pub(crate) use srgb::{srgb_encode_8, srgb_encode_16};

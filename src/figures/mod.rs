@@ -1,4 +1,4 @@
-//! Figures: space-time diagrams, overlays, contact sheets, and the text and drawing that they share.
+//! Figures: space-time diagrams, overlays, contact sheets, and the drawing that they share.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
@@ -10,5 +10,4 @@ pub mod isochrones;
 pub mod overlay;
 pub mod page;
 pub mod pixel_probe;
-pub mod text;
 pub(crate) mod ticks;

@@ -27,7 +27,7 @@ pub fn blank() -> String {
 ///
 /// # Errors
 /// I/O errors.
-pub fn seal(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
+pub(crate) fn seal(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
     if let Some(at) = place(file)? {
         let digits = digest(file, at)?;
         file.seek(SeekFrom::Start(at))?;

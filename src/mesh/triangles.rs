@@ -56,6 +56,7 @@ pub const MOST_INDEX: f32 = 10.0;
 ///
 /// Its base colour at a point is factor × texture × vertex colour ([`Mesh::colours`]), linear RGBA.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Material {
     /// The name in the file, or "" if it has none.
     pub name: String,

@@ -68,7 +68,7 @@ pub fn glass_around_camera(prepared: &Prepared) -> Option<usize> {
     let light = prepared.light.time_resolved()?;
     let is_glass = |patch: &Patch| match &light.emitters[patch.emitter as usize].0 {
         Emitter::Lit { finish, .. } => finish.glass.is_some_and(|glass| glass.solid),
-        _ => false,
+        Emitter::Base(_) | Emitter::Uv { .. } | Emitter::Captured(_) => false,
     };
     let shot = &prepared.camera.shot;
     for rest in &prepared.frames {

@@ -22,6 +22,11 @@ mod tiles;
 pub mod tonemap;
 pub mod trace;
 
+pub use aov::Aov;
 pub use estimate_reads::estimate_reads;
+pub use film::Film;
+pub use plan::{Plan, Request};
+pub use prepare::Prepared;
+pub use progress::Silent;
 pub(crate) use tiles::render_every;
 pub use tiles::{render, render_over, render_tiles, render_with_stats};

@@ -21,9 +21,8 @@ use crate::spacetime::Direction;
 /// Renders a prepared scene on rayon's current thread pool.
 ///
 /// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled) if `progress` cancels; data that are read on demand and cannot be read
-/// ([`SurfaceLight::check`](crate::render::prepare::SurfaceLight::check)); and a caller's own radiance that does not give one emission for each
-/// point.
+/// [`Error::Cancelled`](crate::Error::Cancelled) if `progress` cancels; data that are read on demand and cannot be read; and a caller's own
+/// radiance that does not give one emission for each point.
 pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
     render_tiles(scene, 0..Tile::count(scene.layout.size), progress)
 }

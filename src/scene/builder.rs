@@ -41,7 +41,7 @@ use crate::spacetime::units::{Dimension, Measure};
 ///
 /// let refused = builder.set("object.triangle.velocity.beta", [1.5, 0.0, 0.0]).build();
 /// let message = refused.unwrap_err().to_string();
-/// assert!(message.starts_with("a triangle, object[0].velocity.beta: |β| = 1.5 is not below 1"));
+/// assert!(message.starts_with("a triangle, object \"triangle\", velocity.beta: |β| = 1.5 is not below 1"));
 /// # Ok::<(), nullray::Error>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -99,7 +99,7 @@ impl Builder {
         self
     }
 
-    /// Adds the object `name` with a mesh in memory, which is shared. The base colours of its materials are used, but not their textures,
+    /// Adds the object `name` with a mesh in memory. The scene shares it; what is rendered is a copy, with the object's transform. The base colours of its materials are used, but not their textures,
     /// which would be images in files.
     ///
     /// It rests at the world's origin unless `object.NAME.velocity`, `object.NAME.origin` and `object.NAME.transform` are set. Objects
@@ -148,19 +148,14 @@ impl Builder {
     }
 
     /// Adds the source `name`, a cube in memory, which is shared. Its bins are `bin_width` metres (ct) wide.
-    pub fn cube(mut self, name: &str, cube: Arc<Cube>, bin_width: f64) -> Self {
-        let file = self.memory.add_cube(cube).into();
-        let width = metres(bin_width).into();
-        let keys = Value::table([("file", file), ("bin_width", width)]);
-        self.add("source", name, "cube", keys)
+    pub fn cube(self, name: &str, cube: Arc<Cube>, bin_width: f64) -> Self {
+        self.add_cube(name, cube, ("bin_width", metres(bin_width).into()))
     }
 
     /// The same with bins of different widths: `edges` are the start of each and the end of the last, metres (ct).
-    pub fn cube_with_edges(mut self, name: &str, cube: Arc<Cube>, edges: &[f64]) -> Self {
-        let file = self.memory.add_cube(cube).into();
+    pub fn cube_with_edges(self, name: &str, cube: Arc<Cube>, edges: &[f64]) -> Self {
         let edges = edges.iter().map(|edge| Value::from(metres(*edge)));
-        let keys = Value::table([("file", file), ("edges", edges.collect())]);
-        self.add("source", name, "cube", keys)
+        self.add_cube(name, cube, ("edges", edges.collect()))
     }
 
     /// Adds the source `name`, a spherical pulse of light from `position`, with a standard deviation of `sigma` metres (ct) in time.
@@ -204,7 +199,7 @@ impl Builder {
         // `report` holds the text; the file gives the folder and the arrays in memory.
         let mut file = SceneFile::of_text("", &report.name, &self.base);
         file.memory = self.memory;
-        load::scene(report, &file, false)
+        load::scene(report, &file, false).map_err(|error| with_name(error, &self.document))
     }
 
     /// Builds the scene of the panel `name`, like [`SceneFile::panel`].
@@ -227,6 +222,17 @@ impl Builder {
         file.panel(&whole, panel, &Overrides::default())
     }
 
+    /// Adds the source `name`, a cube with this key of its time axis.
+    fn add_cube(mut self, name: &str, cube: Arc<Cube>, axis: (&str, Value)) -> Self {
+        if let Err(error) = cube.check() {
+            let place = format!("source \"{name}\", {}", error.field());
+            self.refuse(&place, &error.to_string(), Cube::CHECKED);
+            return self;
+        }
+        let file = self.memory.add_cube(cube).into();
+        self.add("source", name, "cube", Value::table([("file", file), axis]))
+    }
+
     /// Adds the entry `name` to the list of objects or sources.
     fn add(self, list: &str, name: &str, key: &str, value: Value) -> Self {
         self.add_keys(list, name, [(key, value)])
@@ -245,12 +251,16 @@ impl Builder {
             entry.insert(key, Item::Value(value.0));
         }
         let item = self.document.entry(list).or_insert_with(new_list);
-        // Replaces a value set under this name that is not a list of tables.
-        let mut tables = std::mem::take(item)
-            .into_array_of_tables()
-            .unwrap_or_default();
-        tables.push(entry);
-        *item = Item::ArrayOfTables(tables);
+        let is_empty = item.as_array().is_some_and(toml_edit::Array::is_empty);
+        *item = match std::mem::take(item).into_array_of_tables() {
+            Ok(mut tables) => {
+                tables.push(entry);
+                tables.into()
+            }
+            Err(_) if is_empty => ArrayOfTables::from_iter([entry]).into(),
+            // Stays, and is refused when the scene is built, as in a file.
+            Err(other) => other,
+        };
         self
     }
 
@@ -259,6 +269,24 @@ impl Builder {
         let refused = [&self.name, place, what, help].map(str::to_string);
         self.error.get_or_insert(refused);
     }
+}
+
+/// The error with the name of an entry of a list in place of its number, as the program knows it: `object "ship", colour`.
+fn with_name(mut error: Error, document: &DocumentMut) -> Error {
+    let named = |place: &str| {
+        let (list, rest) = place.split_once('[')?;
+        let (number, rest) = rest.split_once("].")?;
+        let name = document.get(list)?.get(number.parse::<usize>().ok()?)?;
+        let name = name.get("name")?.as_str()?;
+        // Two entries may have one name, which is refused.
+        (rest != "name").then(|| format!("{list} \"{name}\", {rest}"))
+    };
+    if let Error::Invalid(problem) | Error::Unsupported(problem) = &mut error
+        && let Some(place) = named(&problem.place)
+    {
+        problem.place = place.into();
+    }
+    error
 }
 
 fn new_list() -> Item {
@@ -288,12 +316,18 @@ macro_rules! from {
     };
 }
 
-from!(f64 => f64, f32 => f64, i32 => i64, u32 => i64, i64 => i64, bool => bool, &str => String, String => String, &String => String);
+from!(f64 => f64, f32 => f64, u8 => i64, u16 => i64, i32 => i64, u32 => i64, i64 => i64, bool => bool, &str => String, String => String, &String => String);
+
+impl From<u64> for Value {
+    fn from(number: u64) -> Self {
+        // Of numbers beyond those of TOML, the largest, which every key refuses.
+        i64::try_from(number).unwrap_or(i64::MAX).into()
+    }
+}
 
 impl From<usize> for Value {
     fn from(number: usize) -> Self {
-        // Of numbers beyond those of TOML, the largest, which every key refuses.
-        i64::try_from(number).unwrap_or(i64::MAX).into()
+        (number as u64).into()
     }
 }
 

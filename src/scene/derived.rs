@@ -7,7 +7,7 @@ use super::model::{
 };
 use super::text::Text;
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
-use crate::spacetime::{CameraFrame, Event, InertialFrame, Quantity, Rest, Velocity, World};
+use crate::spacetime::{CameraFrame, Event, Hue, InertialFrame, Quantity, Rest, Velocity, World};
 
 impl CameraModel {
     /// The frame in which the camera rests when its clock shows 0; for a camera without acceleration, at all times. Its origin is the
@@ -113,15 +113,10 @@ impl Scene {
     /// shift changes.
     pub fn sees_wavelengths(&self) -> bool {
         let sources = self.sources.iter().map(|source| source.quantity);
-        let is_seen = |quantity: Quantity| match quantity {
-            Quantity::Line { .. } => true,
-            Quantity::Rgb => self.effects.doppler,
-            Quantity::PerWavelength
-            | Quantity::PerFrequency
-            | Quantity::Integrated
-            | Quantity::Photons
-            | Quantity::PhotonsPerWavelength
-            | Quantity::PhotonsPerFrequency => false,
+        let is_seen = |quantity: Quantity| match quantity.hue() {
+            Hue::Stays => false,
+            Hue::OfLine => true,
+            Hue::OfSpectrum => self.effects.doppler,
         };
         let has_spectra = |sky: &Sky| {
             matches!(sky.background, SkyRadiance::Spectrum(_))

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use crate::io::cube::{Cube, CubeSamples};
-use crate::mesh::{AlphaMode, Material, Mesh};
+use crate::mesh::{AlphaMode, Material, Mesh, Part};
 
 /// The prefix of names of objects in memory, in place of a path.
 pub(super) const PREFIX: &str = "memory:";
@@ -106,43 +106,50 @@ fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
     for channel in 0..4 {
         add(hash, colours, |c| c[channel].to_le_bytes());
     }
-    add(hash, parts, |p| p.first_triangle.to_le_bytes());
-    add(hash, parts, |p| p.triangles.to_le_bytes());
-    add(hash, parts, |p| p.material.to_le_bytes());
-    add(hash, materials, |m| {
-        [u8::from(m.double_sided), u8::from(m.unlit)]
-    });
+    hash.update((parts.len() as u64).to_le_bytes());
+    for part in parts {
+        let Part {
+            first_triangle,
+            triangles,
+            material,
+            node,
+        } = part;
+        add(hash, &[first_triangle, triangles, material], |n| {
+            n.to_le_bytes()
+        });
+        add_text(hash, node);
+    }
+    hash.update((materials.len() as u64).to_le_bytes());
     for material in materials {
-        add_text(hash, &material.name);
-        add(hash, &material.base_colour, |c| c.to_le_bytes());
-        add(hash, &material.emissive, |c| c.to_le_bytes());
-        let (mode, cutoff) = match material.alpha_mode {
-            AlphaMode::Opaque => (0.0, 0.0),
-            AlphaMode::Mask { cutoff } => (1.0, cutoff),
-            AlphaMode::Blend => (2.0, 0.0),
-        };
         let Material {
+            name,
+            base_colour,
             metallic,
             roughness,
+            emissive,
             transmission,
             ior,
             solid,
             alpha,
-            ..
-        } = *material;
-        add(
-            hash,
-            &[
-                metallic,
-                roughness,
-                transmission,
-                ior,
-                f32::from(u8::from(solid)),
-                alpha,
-                mode,
-                cutoff,
-            ],
-            |c: &f32| c.to_le_bytes(),
-        );
+            alpha_mode,
+            unlit,
+            double_sided,
+            // Images of files, which meshes in memory do not show.
+            base_colour_texture: _,
+            metallic_roughness_texture: _,
+            emissive_texture: _,
+        } = material;
+        add_text(hash, name);
+        let (mode, cutoff) = match alpha_mode {
+            AlphaMode::Opaque => (0.0, 0.0),
+            AlphaMode::Mask { cutoff } => (1.0, *cutoff),
+            AlphaMode::Blend => (2.0, 0.0),
+        };
+        let flags = [*solid, *unlit, *double_sided].map(|flag| f32::from(u8::from(flag)));
+        let factors = [*metallic, *roughness, *transmission, *ior, *alpha];
+        let alpha = [mode, cutoff];
+        for numbers in [&base_colour[..], &emissive[..], &factors, &flags, &alpha] {
+            add(hash, numbers, |number| number.to_le_bytes());
+        }
     }
 }

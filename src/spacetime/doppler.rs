@@ -32,9 +32,31 @@ impl WavelengthRatio {
     pub const NONE: WavelengthRatio = WavelengthRatio(1.0);
 }
 
-/// Defines the quantities from a list: their meaning, their names in scene files, and p in L′ = W⁻ᵖ L.
+/// The first expression, or if there is none the second.
+macro_rules! one_or {
+    (, $or:expr) => {
+        $or
+    };
+    ($one:expr, $or:expr) => {
+        $one
+    };
+}
+
+/// What a shift of wavelengths does to the colours of a radiance, beside its brightness.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Hue {
+    /// Nothing: they hold no spectrum.
+    Stays,
+    /// They are those of one wavelength, which shifts.
+    OfLine,
+    /// They are those of a spectrum, which shifts.
+    OfSpectrum,
+}
+
+/// Defines the quantities from a table: their meaning, their names in scene files, what a shift does to their colours, p in L′ = W⁻ᵖ L, and
+/// the quantity as which Jarabo et al. 2015 scale it, if another.
 macro_rules! quantities {
-    ($($variant:ident $({ $wavelength:ident })?, $name:literal $(or $alias:literal)?, $meaning:literal, $exponent:literal;)*) => {
+    ($($variant:ident $({ $wavelength:ident })?, $name:literal $(or $alias:literal)?, $meaning:literal, $hue:ident, $exponent:literal $(, as $scaled:ident)?;)*) => {
         /// What a stored radiance measures. It alone determines the exponent of W.
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub enum Quantity {
@@ -89,20 +111,46 @@ macro_rules! quantities {
                     $(Quantity::$variant $({ $wavelength: _ })? => QuantityKind::$variant,)*
                 }
             }
+
+            /// What a shift does to its colours.
+            pub(crate) const fn hue(self) -> Hue {
+                match self {
+                    $(Quantity::$variant $({ $wavelength: _ })? => Hue::$hue,)*
+                }
+            }
+
+            /// The emitted wavelength of a spectral line, metres.
+            pub(crate) const fn line(self) -> Option<f64> {
+                match self {
+                    $(Quantity::$variant $({ $wavelength })? => one_or!($(Some($wavelength))?, None),)*
+                }
+            }
+
+            /// The quantity as which the equations of Jarabo et al. 2015 scale it.
+            pub(crate) const fn as_in_2015(self) -> Quantity {
+                match self {
+                    $(Quantity::$variant $({ $wavelength: _ })? => one_or!($(Quantity::$scaled)?, self),)*
+                }
+            }
         }
+
+        // Irradiance has two powers less.
+        const _: () = {
+            $(assert!($exponent >= 2);)*
+        };
     };
 }
 
 // All are per area and solid angle; the first is the default of scene files.
 quantities! {
-    Integrated, "integrated" or "luminance", "energy over the whole spectrum", 4;
-    PerWavelength, "per_wavelength", "energy per wavelength", 5;
-    PerFrequency, "per_frequency", "energy per frequency", 3;
-    Line { wavelength }, "line", "energy of a line", 4;
-    Photons, "photons", "photons over the whole spectrum", 3;
-    PhotonsPerWavelength, "photons_per_wavelength", "photons per wavelength", 4;
-    PhotonsPerFrequency, "photons_per_frequency", "photons per frequency", 2;
-    Rgb, "rgb", "linear RGB of a spectrum", 4;
+    Integrated, "integrated" or "luminance", "energy over the whole spectrum", Stays, 4, as PerWavelength;
+    PerWavelength, "per_wavelength", "energy per wavelength", Stays, 5;
+    PerFrequency, "per_frequency", "energy per frequency", Stays, 3;
+    Line { wavelength }, "line", "energy of a line", OfLine, 4, as PerWavelength;
+    Photons, "photons", "photons over the whole spectrum", Stays, 3;
+    PhotonsPerWavelength, "photons_per_wavelength", "photons per wavelength", Stays, 4;
+    PhotonsPerFrequency, "photons_per_frequency", "photons per frequency", Stays, 2;
+    Rgb, "rgb", "linear RGB of a spectrum", OfSpectrum, 4;
 }
 
 impl fmt::Display for Quantity {
@@ -120,20 +168,6 @@ impl Quantity {
     /// p in L′ = W⁻ᵖ L.
     pub const fn exponent(self) -> u32 {
         self.kind().exponent()
-    }
-
-    /// The emitted wavelength of a spectral line, metres.
-    pub(crate) fn line(self) -> Option<f64> {
-        match self {
-            Quantity::Line { wavelength } => Some(wavelength),
-            Quantity::PerWavelength
-            | Quantity::PerFrequency
-            | Quantity::Integrated
-            | Quantity::Photons
-            | Quantity::PhotonsPerWavelength
-            | Quantity::PhotonsPerFrequency
-            | Quantity::Rgb => None,
-        }
     }
 
     /// Observed radiance for an emitted radiance of 1.

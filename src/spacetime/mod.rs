@@ -25,7 +25,7 @@ pub mod worldline;
 
 pub(crate) use boost::Tangents;
 pub use boost::{Boost, InertialFrame};
-pub(crate) use doppler::QuantityKind;
+pub(crate) use doppler::{Hue, QuantityKind};
 pub use doppler::{Quantity, WavelengthRatio};
 pub(crate) use event::unit_and_length_or_nan;
 pub use event::{CameraFrame, Direction, Displacement, Event, Frame, Rest, World};

@@ -161,6 +161,114 @@ fn the_text_of_a_scene_tells_arrays_apart() {
     let mut painted = triangle();
     painted.materials[0].base_colour[1] = 0.5;
     assert_ne!(one, hash(&scene(painted)));
+    let of_another_node = |mesh: &mut Mesh| mesh.parts[0].node = "wheel".into();
+    let changes: [fn(&mut Mesh); 3] = [
+        of_another_node,
+        |mesh| mesh.materials[0].unlit = true,
+        |mesh| mesh.materials[0].double_sided = true,
+    ];
+    let texts = changes.map(|change| {
+        let mut mesh = triangle();
+        change(&mut mesh);
+        scene(mesh).text
+    });
+    let all: std::collections::HashSet<_> = texts.iter().collect();
+    assert_eq!(all.len(), 3);
+    assert!(!all.contains(&scene(triangle()).text));
+}
+
+#[test]
+fn a_value_of_a_list_s_name_is_refused_as_in_a_file() {
+    let of_file = |text: &str| {
+        let text = format!("{text}\n{CAMERA}");
+        let overrides = nullray::scene::Overrides::default();
+        let read = nullray::scene::parse(&text, "a scene", Path::new(""), &overrides);
+        read.unwrap_err().to_string()
+    };
+    for text in ["object = 5", "object = [5]", "object = { name = 'x' }"] {
+        let builder = Builder::from_toml("a scene", &format!("{text}\n{CAMERA}"));
+        let refused = builder.shape("box", shapes_box()).build().unwrap_err();
+        assert_eq!(refused.to_string(), of_file(text));
+    }
+    // Lists of other notations are lists.
+    for (text, count) in [
+        ("object = []", 1),
+        ("object = [{ shape = { sphere = {} } }]", 2),
+    ] {
+        let builder = Builder::from_toml("a scene", &format!("{text}\n{CAMERA}"));
+        let scene = builder.shape("box", shapes_box()).build().unwrap();
+        assert_eq!(scene.objects.len(), count);
+    }
+}
+
+#[test]
+fn keys_take_numbers_of_every_integer_type() {
+    let with = |bits: Value| {
+        let builder = camera("bits").shape("box", shapes_box());
+        builder.set("display.bits", bits).build().unwrap().bits
+    };
+    let numbers = [
+        16_u8.into(),
+        16_u16.into(),
+        16_u32.into(),
+        16_u64.into(),
+        16_usize.into(),
+    ];
+    assert_eq!(numbers.map(with), [16; 5]);
+    let most = camera("bits").set("display.samples_per_pixel", u64::MAX);
+    let (place, _) = refusal(most.shape("box", shapes_box()));
+    assert_eq!(place, "display.samples_per_pixel");
+}
+
+/// The first sample of bin 1 of pixel (2, 3), and shapes that do not fit: a cube is checked when it is given, and one that a program puts
+/// into a finished scene before that is planned.
+#[test]
+fn a_cube_built_by_hand_is_checked_as_one_of_a_file() {
+    let shape = [4, 5, 6, 3];
+    let bad = |x: f32| {
+        let mut samples = vec![1.0; 4 * 5 * 6 * 3];
+        samples[((2 * 5 + 3) * 6 + 1) * 3] = x;
+        CubeSamples::F32(samples)
+    };
+    let no_columns = CubeSamples::F64(Vec::new());
+    let rows = [
+        (shape, bad(f32::NAN), "samples[2,3,1,0]", "not finite"),
+        (shape, bad(f32::INFINITY), "samples[2,3,1,0]", "not finite"),
+        ([4, 5, 6, 1], bad(1.0), "shape", "does not hold 360 samples"),
+        ([1 << 32, 1 << 32, 1, 1], bad(1.0), "shape", "does not hold"),
+        (
+            [4, 0, 6, 3],
+            no_columns,
+            "shape",
+            "the column axis is empty",
+        ),
+    ];
+    let lit = || camera("by hand").shape("box", shapes_box());
+    let good = Cube::new(shape, bad(1.0)).unwrap();
+    let good = lit().cube("light", Arc::new(good), 0.5).build().unwrap();
+    for (shape, samples, place, what) in rows {
+        let cube = Arc::new(Cube { shape, samples });
+        let place = format!("source \"light\", {place}");
+        let edges = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let mut changed = good.clone();
+        let SourceKind::Cube(source) = &mut changed.sources[0].kind else {
+            panic!("another kind");
+        };
+        source.data = CubeData::Memory(cube.clone());
+        let planned = match Plan::new(&changed, &Request::default()) {
+            Err(Error::Invalid(problem)) => (problem.place.to_string(), problem.what.to_string()),
+            other => panic!("not refused: {other:?}"),
+        };
+        let given = [
+            refusal(lit().cube("light", cube.clone(), 0.5)),
+            refusal(lit().cube_with_edges("light", cube, &edges)),
+            planned,
+        ];
+        for (found, text) in given {
+            assert_eq!(found, place, "{text}");
+            assert!(text.contains(what), "{place}: {text}");
+        }
+    }
 }
 
 #[test]
@@ -709,22 +817,22 @@ fn refusals_name_the_field() {
         ),
         (
             good().set("object.a.velocity.beta", [0.0, 1.0, 0.0]),
-            "object[0].velocity.beta",
+            "object \"a\", velocity.beta",
             "not below 1",
         ),
         (
             good().set("object.a.transform.rotate", tilted),
-            "object[0].transform.rotate.axis",
+            "object \"a\", transform.rotate.axis",
             "zero vector",
         ),
         (
             good().set("object.a.node", "x"),
-            "object[0].node",
+            "object \"a\", node",
             "exclude each other",
         ),
         (
             good().set("object.a.colour", [1.0, 0.0, 0.0]),
-            "object[0].colour",
+            "object \"a\", colour",
             "`mesh`",
         ),
         (
@@ -744,19 +852,19 @@ fn refusals_name_the_field() {
         ),
         (
             good().pulse("p", DVec3::Y, 0.0),
-            "source[0].pulse.sigma",
+            "source \"p\", pulse.sigma",
             "not above 0",
         ),
         (
             good().gltf("b", "missing.glb"),
-            "object[1].gltf",
+            "object \"b\", gltf",
             "cannot find this file",
         ),
         (Builder::from_toml("refused", "a = ["), "", "unclosed array"),
         (camera("refused"), "camera", "the scene has no object"),
         (
             good().set("object.a.motion.acceleration.proper", "1 /m"),
-            "object[0].motion",
+            "object \"a\", motion",
             "unknown key `motion`",
         ),
     ];

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 use crate::common::frames::{Frame, Limit, frames, reference};
 use nullray::io::cube::{Changes, Cube, Wanted, convert};
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::{Prepared, SurfaceLight};
+use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::model::Scene;
@@ -365,10 +365,7 @@ fn bits(text: &str) -> [Vec<u64>; 2] {
     let scene = parsed(&text.replace("samples_per_pixel = 16", "samples_per_pixel = 1"));
     let plan = Plan::new(&scene, &Request::default()).unwrap();
     let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
-    let SurfaceLight::TimeResolved(light) = &prepared.light else {
-        panic!("no cube")
-    };
-    let cube = samples(light.cubes[0].cube().in_memory().unwrap(), 1.0);
+    let cube = samples(prepared.cubes()[0].cube().in_memory().unwrap(), 1.0);
     let film = render(&prepared, &Silent).unwrap();
     let picture = film.radiance().iter().map(|rgb| rgb[0]).collect();
     [cube, picture].map(|values: Vec<f64>| values.into_iter().map(f64::to_bits).collect())

@@ -1,4 +1,4 @@
-//! The files of the library and of the program import each other in one direction only, and the library does not depend on the program.
+//! The files of the library and of the program use each other in one direction only, and the library does not depend on the program.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -21,16 +21,66 @@ fn modules() -> BTreeMap<Module, String> {
                     module.push(stem);
                 }
                 let text = fs::read_to_string(&path).unwrap();
-                let lines = text.lines().map(|line| line.split("//").next().unwrap());
-                let code = lines.collect::<Vec<_>>().join("\n");
-                let code = code.split("#[cfg(test)]\nmod ").next().unwrap();
-                modules.insert(module, code.to_string());
+                let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
+                modules.insert(module, stripped(code, &["//"]));
             }
         }
     }
     let mut modules = BTreeMap::new();
     gather(Path::new("src"), &vec![], &mut modules);
     modules
+}
+
+/// `code` without what begins with one of `begins`: comments (`//`) or the contents of strings (`"`).
+fn stripped(code: &str, begins: &[&str]) -> String {
+    let (mut kept, mut left) = (String::new(), code);
+    while let Some(first) = left.chars().next() {
+        let begin = match first {
+            '/' if left.starts_with("//") => "//",
+            '"' => "\"",
+            _ => "",
+        };
+        let escaped =
+            |at: usize| left[..at].bytes().rev().take_while(|b| *b == b'\\').count() % 2 == 1;
+        let hashes = kept.len() - kept.trim_end_matches('#').len();
+        let is_raw = kept.trim_end_matches('#').ends_with('r');
+        let length = match first {
+            '/' if begin == "//" => left.find('\n').unwrap_or(left.len()),
+            '"' if is_raw => {
+                let end = format!("\"{}", "#".repeat(hashes));
+                1 + left[1..].find(&end).unwrap() + end.len()
+            }
+            '"' => {
+                let mut quotes = left.match_indices('"').skip(1).map(|(at, _)| at);
+                1 + quotes.find(|at| !escaped(*at)).unwrap()
+            }
+            // A character, not a lifetime.
+            '\'' if left.starts_with("'\\") => 3 + left[3..].find('\'').unwrap(),
+            '\'' if left.chars().nth(2) == Some('\'') => left.char_indices().nth(2).unwrap().0 + 1,
+            _ => first.len_utf8(),
+        };
+        if !begins.contains(&begin) {
+            kept.push_str(&left[..length]);
+        } else if begin == "\"" {
+            kept.push_str("\"\"");
+        }
+        left = &left[length..];
+    }
+    kept
+}
+
+/// The paths that `code` writes out wherever it uses something, such as `super::wanted::Wanted`.
+fn written_out(code: &str) -> Vec<Vec<String>> {
+    let code = stripped(code, &["\""]);
+    let words = code.split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':'));
+    let paths = words.map(|word| word.trim_start_matches(':').split("::"));
+    let paths = paths.map(|parts| {
+        parts
+            .filter(|part| !part.is_empty())
+            .map(str::to_string)
+            .collect::<Vec<_>>()
+    });
+    paths.filter(|path| path.len() > 1).collect()
 }
 
 /// The paths of the `use` declarations of `code`, each with the name that it brings.
@@ -75,7 +125,7 @@ fn imports(code: &str) -> Vec<(Vec<String>, String)> {
     for declaration in code.split(';') {
         let begin = declaration.rfind("use ").filter(|begin| {
             let before = declaration[..*begin].trim_end();
-            before.is_empty() || before.ends_with([')', ']', '}', '\n']) || before.ends_with("pub")
+            before.is_empty() || before.ends_with([')', ']', '{', '}']) || before.ends_with("pub")
         });
         if let Some(begin) = begin {
             expand(&declaration[begin + 4..], &[], &mut paths);
@@ -105,8 +155,8 @@ fn absolute(path: &[String], module: &Module, all: &BTreeMap<Module, String>) ->
     Some(base)
 }
 
-#[test]
-fn files_do_not_import_each_other_in_circles() {
+/// Which files each file uses.
+fn uses() -> BTreeMap<Module, BTreeSet<Module>> {
     let all = modules();
     assert!(all.len() > 300);
     let mut names = BTreeMap::new();
@@ -115,6 +165,17 @@ fn files_do_not_import_each_other_in_circles() {
             if let Some(path) = absolute(&path, module, &all) {
                 names.insert((module.clone(), name), path);
             }
+        }
+    }
+    let mut paths: BTreeSet<_> = (names.iter())
+        .map(|((module, _), path)| (module, path.clone()))
+        .collect();
+    for (module, code) in &all {
+        for path in written_out(code) {
+            let imported = names.get(&(module.clone(), path[0].clone()));
+            let imported = imported.map(|to| [to.as_slice(), &path[1..]].concat());
+            let path = imported.or_else(|| absolute(&path, module, &all));
+            paths.extend(path.map(|path| (module, path)));
         }
     }
 
@@ -137,18 +198,39 @@ fn files_do_not_import_each_other_in_circles() {
         }
         None
     };
-    let mut edges: BTreeMap<&Module, BTreeSet<Module>> = BTreeMap::new();
-    for ((module, _), path) in &names {
-        let to = file_of(path).unwrap_or_default();
+    let mut edges: BTreeMap<Module, BTreeSet<Module>> = BTreeMap::new();
+    for (module, path) in paths {
+        let to = file_of(&path).unwrap_or_default();
         // A folder's face and what is in the folder are one.
         if !module.starts_with(&to) && !to.starts_with(module) {
-            edges.entry(module).or_default().insert(to);
+            edges.entry(module.clone()).or_default().insert(to);
         }
     }
     assert!(edges.values().map(BTreeSet::len).sum::<usize>() > 1000);
+    edges
+}
 
-    // Files that import nothing that is left are taken away, until none is: what stays is in circles, or above one.
-    let mut left = edges;
+#[test]
+fn a_module_uses_only_those_above_it_in_the_table() {
+    let page = fs::read_to_string("src/lib.rs").unwrap();
+    let rows = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("//! | [`"));
+    let mut order: Vec<_> = rows.map(|row| row.split('`').next().unwrap()).collect();
+    order.push("cli");
+    let rank = |module: &Module| order.iter().position(|name| *name == module[0]).unwrap();
+    let mut upward = Vec::new();
+    for (module, to) in uses() {
+        let to = to.iter().filter(|to| rank(to) > rank(&module));
+        upward.extend(to.map(|to| format!("{} -> {}", module.join("::"), to.join("::"))));
+    }
+    assert!(upward.is_empty(), "{}", upward.join("\n"));
+}
+
+#[test]
+fn files_do_not_use_each_other_in_circles() {
+    // Files that use nothing that is left are taken away, until none is: what stays is in circles, or above one.
+    let mut left = uses();
     loop {
         let before = left.len();
         let known: BTreeSet<Module> = left.keys().map(|module| module.to_vec()).collect();

@@ -19,6 +19,7 @@ pub struct Traversal {
 
 /// An instruction set. Certified results are the same with each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Kernel {
     /// AVX-512: packets of 16.
     Avx512,
@@ -38,6 +39,18 @@ pub enum Precision {
     /// Everything in f32, for previews: rays along an edge may miss both its triangles, and among triangles at nearly the same depth the
     /// wrong one may be hit. [`Kernel::Scalar`] and incoherent rays are always certified.
     Fast,
+}
+
+impl Kernel {
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kernel::Avx512 => "avx512",
+            Kernel::Avx2 => "avx2",
+            Kernel::Portable => "portable",
+            Kernel::Scalar => "scalar",
+        }
+    }
 }
 
 impl Precision {

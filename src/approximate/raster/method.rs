@@ -7,6 +7,7 @@ use crate::error::{Error, Result, Setting};
 
 /// The rendering method.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub enum Method {
     /// Ray tracing: the reference.
     #[default]

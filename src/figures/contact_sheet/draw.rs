@@ -5,8 +5,8 @@ use super::layout::{Layout, Rect};
 use super::lines::TextLine;
 use crate::error::Result;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Item, Text, png};
-use crate::figures::text::RichText;
 use crate::io::image::RgbImage;
+use crate::text::RichText;
 
 /// Draws all panels and their labels.
 pub(super) fn page(panels: &[Panel], layout: &Layout) -> Result<RgbImage> {

@@ -4,7 +4,7 @@
 //! their numbers.
 
 use crate::error::Result;
-use crate::figures::text::RichText;
+use crate::text::RichText;
 
 /// From one baseline to the next, as a multiple of the size of the type.
 pub(super) const LEADING: f64 = 1.3;

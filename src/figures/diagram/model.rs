@@ -88,6 +88,7 @@ pub(crate) fn part_across(direction: DVec3, v: DVec3) -> Option<DVec3> {
 
 /// The unit of numbers at the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Unit {
     /// Its length, metres.
     pub metres: f64,
@@ -110,6 +111,7 @@ impl Default for Unit {
 
 /// A frame of reference, and which parts of it are drawn.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Reference {
     /// Unique name.
     pub name: String,
@@ -150,6 +152,7 @@ impl Reference {
 
 /// A world line.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct NamedLine {
     /// Unique name.
     pub name: String,
@@ -167,6 +170,7 @@ pub struct NamedLine {
 
 /// A marked event, or text: an event of the world in the model, a point of a view in its layout.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Spot<P = Event<World>> {
     /// Unique name of an event; empty for words.
     pub name: String,
@@ -182,6 +186,7 @@ pub struct Spot<P = Event<World>> {
 
 /// A straight line: from event to event of the world in the model, from point to point of a view in its layout.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Segment<P = Event<World>> {
     /// Its ends; of light, the emission first.
     pub ends: [P; 2],
@@ -220,6 +225,7 @@ impl<P: Copy> Segment<P> {
 
 /// The light cone of an event.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Cone {
     /// Its apex.
     pub event: Event<World>,
@@ -235,6 +241,7 @@ pub struct Cone {
 
 /// A line of equal time or equal place of a frame.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Slice {
     /// The frame.
     pub frame: usize,
@@ -262,6 +269,7 @@ pub enum SliceKind {
 
 /// The events of one interval from an event, on one side of its light cone.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Hyperbola {
     /// The event.
     pub about: Event<World>,
@@ -275,6 +283,7 @@ pub struct Hyperbola {
 
 /// The interval between two events.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Interval {
     /// The events.
     pub ends: [Event<World>; 2],
@@ -303,6 +312,7 @@ pub enum Kind {
 
 /// Events joined by straight lines.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct DrawnCurve<P = Event<World>> {
     /// The events, at least two.
     pub points: Vec<P>,
@@ -316,6 +326,7 @@ pub struct DrawnCurve<P = Event<World>> {
 
 /// The strip between two world lines.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct WorldSheet {
     /// The two world lines.
     pub between: [usize; 2],
@@ -327,6 +338,7 @@ pub struct WorldSheet {
 
 /// A shaded region with straight edges.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Region {
     /// Its corners, at least three.
     pub corners: Vec<Event<World>>,
@@ -338,6 +350,7 @@ pub struct Region {
 
 /// A quarter of the diagram between the light rays through an event.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Wedge {
     /// The event.
     pub event: Event<World>,
@@ -364,6 +377,7 @@ pub enum Side {
 
 /// The change from picture to picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Animation {
     /// The number of pictures, at least 2.
     pub frames: u32,
@@ -377,6 +391,7 @@ pub struct Animation {
 
 /// A view that is boosted.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Boost {
     /// The final frame.
     pub to: usize,
@@ -386,6 +401,7 @@ pub struct Boost {
 
 /// A line of simultaneity that sweeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Sweep {
     /// The frame.
     pub frame: usize,
@@ -397,6 +413,7 @@ pub struct Sweep {
 
 /// All events that are simultaneous in a frame, with the readings of the clocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Now {
     /// The frame.
     pub frame: usize,

@@ -4,7 +4,7 @@
 //! shaft, so that no seam shows between them and the shaft does not protrude beside the tip.
 
 use super::{Arrow, Cap, Path, Stroke};
-use crate::figures::text::Segment;
+use crate::text::Segment;
 
 /// Depth of the notch in the back of a head, relative to its length.
 const NOTCH: f64 = 0.25;

@@ -3,8 +3,8 @@
 use super::hatch::MOST_LINES;
 use super::{Drawing, Fill, Hatch, Item, Path, Stroke, Text};
 use crate::error::{Error, Result};
-use crate::figures::text::{Rect, Segment};
 use crate::io::image::RgbImage;
+use crate::text::{Rect, Segment};
 
 /// The longest side of a page in points that PDF viewers open.
 pub(in crate::figures) const LONGEST_SIDE: f64 = 14_400.0;

@@ -5,7 +5,7 @@
 //! n·p over it.
 
 use super::{Hatch, Path};
-use crate::figures::text::{Rect, Segment};
+use crate::text::{Rect, Segment};
 
 /// The most lines in one area.
 pub(super) const MOST_LINES: f64 = 10_000.0;

@@ -5,8 +5,8 @@ use super::check::Checked;
 use super::hatch;
 use super::{Cap, Colour, Drawing, Fill, Item, Join, Path, Stroke, Text};
 use crate::error::Result;
-use crate::figures::text::Rect;
 use crate::io::image::RgbImage;
+use crate::text::Rect;
 
 /// Something that every format can draw.
 #[derive(Debug)]

@@ -13,7 +13,7 @@
 //!
 //! ```
 //! use nullray::figures::drawing::{Arrow, Colour, Drawing, Item, Path, Stroke, Text, pdf, png, svg};
-//! use nullray::figures::text::RichText;
+//! use nullray::text::RichText;
 //! # fn main() -> nullray::Result<()> {
 //! let stroke = Stroke::new(Colour::BLACK, 0.8).ending(Arrow::of_line(0.8));
 //! let drawing = Drawing {
@@ -55,8 +55,8 @@ pub use path::{Node, Path};
 pub use style::{Arrow, Cap, Colour, Fill, Hatch, Join, Stroke};
 
 use crate::error::Result;
-use crate::figures::text::{Rect, RichText};
 use crate::io::image::RgbImage;
+use crate::text::{Rect, RichText};
 
 /// A page.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! Paths, and the curves that diagrams need.
 
-use crate::figures::text::{Rect, Segment, bounds};
+use crate::text::{Rect, Segment, bounds};
 
 /// Contours in page coordinates, points; each begins with [`Segment::Move`].
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -20,8 +20,8 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use super::marks::{Line, Mark, marks};
 use super::{Cap, Colour, Drawing, Join, Path, Text};
 use crate::error::Result;
-use crate::figures::text::{self, Glyph, Segment, font};
 use crate::io::image::RgbImage;
+use crate::text::{self, Glyph, Segment, font};
 
 /// The drawing as a PDF file, whose document information holds the keys of its origin.
 ///

@@ -9,8 +9,8 @@ use tiny_skia::{
 use super::marks::{Line, Mark, marks, marks_of};
 use super::{Cap, Colour, Drawing, Item, Join, Path};
 use crate::error::{Error, Result};
-use crate::figures::text::{Rect, Segment};
 use crate::io::image::{RgbImage, png};
+use crate::text::{Rect, Segment};
 
 /// The most pixels of a picture: 1 GiB of memory.
 const MOST_PIXELS: f64 = (1u64 << 28) as f64;
@@ -218,7 +218,7 @@ impl Canvas {
 }
 
 /// The segments as a tiny-skia path; `None` if there is nothing to draw.
-pub fn path_of(segments: &[Segment]) -> Option<tiny_skia::Path> {
+fn path_of(segments: &[Segment]) -> Option<tiny_skia::Path> {
     let mut path = PathBuilder::new();
     for segment in segments {
         match *segment {

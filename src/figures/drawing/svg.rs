@@ -6,8 +6,8 @@ use super::image::{png_of, push_base64};
 use super::marks::{Line, Mark, marks};
 use super::{AnchorX, Cap, Colour, Drawing, Join, Path, Text};
 use crate::error::Result;
-use crate::figures::text::{Rect, Segment};
 use crate::io::image::RgbImage;
+use crate::text::{Rect, Segment};
 
 /// The drawing as an SVG file; `<metadata>` has a line for each key of its origin.
 ///

@@ -6,7 +6,7 @@
 use super::marks::{Line, Mark, marks};
 use super::{AnchorX, Cap, Colour, Drawing, Join, Path, Text};
 use crate::error::{Error, Result};
-use crate::figures::text::{Rect, Segment};
+use crate::text::{Rect, Segment};
 
 /// The drawing as a `tikzpicture`.
 ///

@@ -6,9 +6,9 @@ use super::range::Range;
 use super::viridis::viridis_srgb;
 use crate::error::Result;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Stroke, Text};
-use crate::figures::text::{Rect, RichText};
 use crate::figures::ticks::{Unit, number, round_step};
 use crate::io::image::RgbImage;
+use crate::text::{Rect, RichText};
 
 /// The colour of text and ticks.
 pub(super) const INK: Colour = Colour::rgb(32, 32, 36);

@@ -16,8 +16,8 @@ use super::range::Range;
 use super::{IsochroneOptions, Values};
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Item, Text, png};
-use crate::figures::text::RichText;
 use crate::io::image::RgbImage;
+use crate::text::RichText;
 
 /// Small pictures are enlarged to about this size, pixels.
 const COMFORTABLE: u32 = 360;

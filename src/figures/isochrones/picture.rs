@@ -5,8 +5,8 @@ use super::lines::{is_heavy, isochrones, path_of};
 use super::range::Range;
 use super::viridis::viridis_srgb;
 use crate::figures::drawing::{Colour, Item, Join, Stroke};
-use crate::figures::text::Rect;
 use crate::io::image::RgbImage;
+use crate::text::Rect;
 
 /// The colour of pixels that show nothing: pale grey, sRGB.
 const NOTHING: u8 = 232;

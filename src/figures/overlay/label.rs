@@ -4,7 +4,7 @@ use super::Polyline;
 use super::style;
 use crate::error::Result;
 use crate::figures::drawing::{Colour, Text};
-use crate::figures::text::{Rect, RichText};
+use crate::text::{Rect, RichText};
 
 /// Points per em.
 const SIZE: f64 = 6.5;

@@ -8,8 +8,8 @@ use crate::camera::Projection;
 use crate::error::Result;
 use crate::figures::diagram::number;
 use crate::figures::drawing::{Anchor, Colour, Item, Path, Text};
-use crate::figures::text::RichText;
 use crate::figures::ticks::Unit;
+use crate::text::RichText;
 
 /// Points per em.
 const SIZE: f64 = 8.0;

@@ -44,6 +44,7 @@ pub type Polyline = Vec<[f64; 2]>;
 
 /// The contents of an overlay.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Overlay {
     /// Columns and rows of the picture.
     pub size: [u32; 2],

@@ -38,6 +38,7 @@ const STRAIGHT: f64 = 0.3;
 
 /// The outline of the visible part of an object.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Outline {
     /// Its index in the scene.
     pub object: usize,

@@ -8,8 +8,8 @@ use super::{Isochrones, Outline, Overlay, Part, Parts, Pointer, Polyline, Target
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Colour, Drawing, Item, Path};
 use crate::figures::isochrones::lines::path_of;
-use crate::figures::text::{Rect, RichText};
 use crate::io::image::RgbImage;
+use crate::text::{Rect, RichText};
 
 /// Points per em of the names of objects.
 const NAME: f64 = 6.5;

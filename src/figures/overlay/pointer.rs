@@ -11,6 +11,7 @@ use crate::spacetime::Velocity;
 
 /// The camera's velocity in its picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Pointer {
     /// Its target.
     pub target: Target,
@@ -20,6 +21,7 @@ pub struct Pointer {
 
 /// Where a direction is in a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Target {
     /// At this film point, pixels: the camera moves towards what is visible there.
     Ahead([f64; 2]),

@@ -4,7 +4,7 @@ use super::pointer::Target;
 use crate::error::Result;
 use crate::figures::diagram::number;
 use crate::figures::drawing::{Anchor, Arrow, Cap, Colour, Item, Join, Path, Stroke, Text};
-use crate::figures::text::RichText;
+use crate::text::RichText;
 
 /// The radius of ⊗ and ⊙, points.
 pub(super) const RADIUS: f64 = 5.0;

@@ -16,6 +16,7 @@ const CLOSEST: f64 = 1.0 / 120.0;
 
 /// Lines of equal retarded time.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Isochrones {
     /// ct between neighbours, metres.
     pub step: f64,
@@ -25,6 +26,7 @@ pub struct Isochrones {
 
 /// One line of equal retarded time.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Isochrone {
     /// World time of the emission × c, metres.
     pub ct: f64,

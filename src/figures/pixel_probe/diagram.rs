@@ -8,9 +8,9 @@ use crate::figures::diagram::model::{
     part_across,
 };
 use crate::figures::diagram::{limits, number, tick_step};
-use crate::figures::text::RichText;
-use crate::figures::text::rich::escaped;
 use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
+use crate::text::RichText;
+use crate::text::rich::escaped;
 
 /// The approximate number of ticks of clocks from the first to the last event.
 const TICKS: f64 = 8.0;

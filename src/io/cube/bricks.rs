@@ -165,7 +165,7 @@ impl Form {
 
 impl Bricks {
     /// Opens the part `wanted` of the cube at `path`, with the checks of loading it; its bricks may take `room` bytes of memory, at least
-    /// [`LEAST_ROOM`]. Members of archives, pictures of sequences, and arrays with chunks that do not fit into the room are first written
+    /// 8 MiB. Members of archives, pictures of sequences, and arrays with chunks that do not fit into the room are first written
     /// to a temporary file.
     ///
     /// # Errors

@@ -46,7 +46,8 @@ use absent::hdf5;
 use absent::zarr;
 
 pub use axes::{Axes, Axis};
-pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM, Peeked};
+pub(crate) use bricks::LEAST_ROOM;
+pub use bricks::{Bricks, BytesRead, Held, Peeked};
 pub use byte_order::{ByteOrder, Sign};
 pub use channels::{Channels, CubeChannel};
 pub use convert::{Changes, Converted, convert};
@@ -54,14 +55,15 @@ pub use cube_store::CubeStore;
 pub use format::{ByPath, CubeFormat};
 pub(crate) use negative::Counted;
 pub use negative::{BelowZero, Negative};
-pub use pages::BRICK;
+pub(crate) use pages::BRICK;
 pub use picture::frame_count;
 pub(crate) use pieces::Pieces;
-pub use recorded::{Recorded, recorded};
+pub use recorded::Recorded;
 pub use samples::{Cube, CubeError, CubeSamples};
 pub use sequence::{frame_size, is_picture};
 pub use table::{
-    FORMATS, extensions, files, format_called, format_of, inspect, load, load_bytes, times, wall,
+    FORMATS, extensions, files, format_called, format_of, inspect, load, load_bytes, recorded,
+    times, wall,
 };
 pub use wall::Wall;
 pub use wanted::{BinSizes, CubeInfo, FileTimes, Transfer, Wanted};

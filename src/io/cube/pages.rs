@@ -285,7 +285,7 @@ impl Pages {
             let [from, to] = self.range(brick, brick + 1);
             let bytes = &bytes[((from - begin) * size) as usize..((to - begin) * size) as usize];
             let mut samples = self.layout.number.samples(bytes, self.layout.big_endian);
-            if let Some(bad) = samples.first_not_finite() {
+            if let Some(bad) = samples.first_not_finite(0..samples.len()) {
                 let number = self.layout.number;
                 return Err(Store::not_finite(&self.path, number, from + bad as u64));
             }

@@ -5,11 +5,11 @@ use std::path::Path;
 use serde_json::{Map, Value};
 
 use super::wanted::FileTimes;
-use crate::error::Result;
 use crate::io::npy;
 
 /// What a file says of the light in a cube. All but the times are in the metadata of archives that nullray wrote.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Recorded {
     /// The time axis.
     pub times: Option<FileTimes>,
@@ -33,19 +33,6 @@ const CLOCK: &str = "clock";
 const BACKS: &str = "backs";
 const QUANTITY: &str = "radiance_quantity";
 const INDEX: &str = "medium_index";
-
-/// What the file at `path` says of its array of this name, or of its only one.
-///
-/// # Errors
-/// The file cannot be read, or is broken.
-pub fn recorded(path: &Path, array: Option<&str>) -> Result<Recorded> {
-    let times = super::times(path, array)?;
-    let of_archive = of_archive(path, array).unwrap_or_default();
-    Ok(Recorded {
-        times,
-        ..of_archive
-    })
-}
 
 /// What the metadata of the archive at `path` say of a cube in it; `None` for other files. Metadata of pictures say nothing of cubes.
 pub(super) fn of_archive(path: &Path, array: Option<&str>) -> Option<Recorded> {

@@ -1,6 +1,9 @@
 //! A cube of samples as in the file: shape (H, W, T, C), C order, one copy in memory.
 
+use std::ops::Range;
+
 use half::f16;
+use rayon::prelude::*;
 
 use crate::io::npy::Dtype;
 
@@ -17,8 +20,8 @@ pub enum CubeSamples {
 
 /// A cube of finite samples, shape (H, W, T, C), C order; row 0 is the top row.
 ///
-/// [`Cube::new`] checks all of this; a time texture checks again what reading relies on, so that a cube built by hand cannot be read out
-/// of range.
+/// [`Cube::new`] checks all of this. Of a cube built by hand [`Cube::check`] does, which is called for those of a scene before it is
+/// rendered; a time texture checks again what reading relies on, so that it cannot be read out of range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cube {
     /// H, W, T, C; each at least 1.
@@ -70,6 +73,20 @@ pub enum CubeError {
 
 crate::error::value_errors!(CubeError);
 
+impl CubeError {
+    /// The field of a cube, or of its source, that it is about.
+    pub(crate) fn field(&self) -> String {
+        match self {
+            CubeError::EmptyAxis(_) | CubeError::Length { .. } | CubeError::Channels(_) => {
+                "shape".into()
+            }
+            CubeError::NotFinite([i, j, k, c]) => format!("samples[{i},{j},{k},{c}]"),
+            CubeError::Edges { .. } => "edges".into(),
+            CubeError::Axis { quantity, .. } => (*quantity).into(),
+        }
+    }
+}
+
 impl CubeSamples {
     /// The number of samples.
     pub fn len(&self) -> usize {
@@ -100,8 +117,8 @@ impl CubeSamples {
     }
 
     /// Copies those of `from` in `range`, if of the same type and in range, to place `at` and on.
-    pub(super) fn copy(&mut self, at: usize, from: &CubeSamples, range: std::ops::Range<usize>) {
-        fn each<T: Copy>(to: &mut [T], at: usize, from: &[T], range: std::ops::Range<usize>) {
+    pub(super) fn copy(&mut self, at: usize, from: &CubeSamples, range: Range<usize>) {
+        fn each<T: Copy>(to: &mut [T], at: usize, from: &[T], range: Range<usize>) {
             if let (Some(to), Some(from)) = (to.get_mut(at..at + range.len()), from.get(range)) {
                 to.copy_from_slice(from);
             }
@@ -173,20 +190,25 @@ impl CubeSamples {
         }
     }
 
-    /// The index of the first sample that is not finite.
-    pub(super) fn first_not_finite(&self) -> Option<usize> {
+    /// The index of the first sample in `range` that is not finite.
+    pub(super) fn first_not_finite(&self, range: Range<usize>) -> Option<usize> {
         // Normally all are finite: a loop without an early exit vectorizes.
-        fn first<T>(samples: &[T], is_finite: impl Fn(&T) -> bool) -> Option<usize> {
+        fn first<T>(
+            samples: &[T],
+            range: Range<usize>,
+            is_finite: impl Fn(&T) -> bool,
+        ) -> Option<usize> {
+            let samples = samples.get(range.clone())?;
             let all = samples.iter().fold(true, |all, x| all & is_finite(x));
             match all {
                 true => None,
-                false => samples.iter().position(|x| !is_finite(x)),
+                false => Some(range.start + samples.iter().position(|x| !is_finite(x))?),
             }
         }
         match self {
-            CubeSamples::F16(s) => first(s, |x| x.is_finite()),
-            CubeSamples::F32(s) => first(s, |x| x.is_finite()),
-            CubeSamples::F64(s) => first(s, |x| x.is_finite()),
+            CubeSamples::F16(s) => first(s, range, |x| x.is_finite()),
+            CubeSamples::F32(s) => first(s, range, |x| x.is_finite()),
+            CubeSamples::F64(s) => first(s, range, |x| x.is_finite()),
         }
     }
 }
@@ -198,12 +220,33 @@ impl Cube {
     /// An empty axis, a number of samples other than H·W·T·C, a sample that is not finite.
     pub fn new(shape: [usize; 4], samples: CubeSamples) -> Result<Cube, CubeError> {
         let cube = Cube { shape, samples };
-        cube.check_shape()?;
-        match cube.samples.first_not_finite() {
-            Some(place) => Err(CubeError::NotFinite(place_of(place, cube.shape))),
-            None => Ok(cube),
+        cube.check()?;
+        Ok(cube)
+    }
+
+    /// Checks that no axis is empty, that there are H·W·T·C samples, and that all are finite. Reads all of them, in parallel.
+    ///
+    /// # Errors
+    /// The first of these that fails.
+    pub fn check(&self) -> Result<(), CubeError> {
+        /// Samples that a thread checks at a time.
+        const PIECE: usize = 1 << 16;
+        self.check_shape()?;
+        let count = self.samples.len();
+        let pieces = (0..count.div_ceil(PIECE)).into_par_iter();
+        let bad = pieces.find_map_first(|n| {
+            let range = n * PIECE..count.min((n + 1) * PIECE);
+            self.samples.first_not_finite(range)
+        });
+        match bad {
+            Some(place) => Err(CubeError::NotFinite(place_of(place, self.shape))),
+            None => Ok(()),
         }
     }
+
+    /// What [`Cube::check`] asks for, for messages.
+    pub(crate) const CHECKED: &str =
+        "a shape (H, W, T, C) without empty axes, H·W·T·C samples, all of them finite";
 
     /// The sum over the channels of bin `bin` of pixel `pixel` (row · W + column); 0 if it does not exist.
     pub fn total(&self, pixel: usize, bin: usize) -> f64 {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::dead::DeadBins;
 use super::format::{CubeFormat, Input, first_bytes, itself};
+use super::recorded::{Recorded, of_archive};
 use super::samples::Cube;
 use super::wall::Wall;
 use super::wanted::{CubeInfo, FileTimes, Transfer, Wanted};
@@ -106,6 +107,19 @@ fn refuse_transfer(path: &Path, wanted: Wanted) -> Result<()> {
 pub fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
     let (input, format) = open(path)?;
     (format.times)(input, array)
+}
+
+/// What the file at `path` says of its array of this name, or of its only one.
+///
+/// # Errors
+/// The file cannot be read, or is broken.
+pub fn recorded(path: &Path, array: Option<&str>) -> Result<Recorded> {
+    let times = times(path, array)?;
+    let of_archive = of_archive(path, array).unwrap_or_default();
+    Ok(Recorded {
+        times,
+        ..of_archive
+    })
 }
 
 /// The points on a surface that the pixels of the cube in a file see, if the file gives them.

@@ -13,6 +13,7 @@ use crate::io::open::open_regular;
 
 /// A picture as it is stored.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Tiff {
     /// Columns and rows.
     pub size: [usize; 2],

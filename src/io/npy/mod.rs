@@ -55,7 +55,7 @@ pub fn load_plain(path: &Path, array: Option<&str>, budget: &Budget) -> Result<P
 ///
 /// # Errors
 /// As for [`load_plain`]; an array with more or fewer axes.
-pub fn load_numbers(path: &Path, array: Option<&str>, budget: &Budget) -> Result<Vec<f64>> {
+pub(crate) fn load_numbers(path: &Path, array: Option<&str>, budget: &Budget) -> Result<Vec<f64>> {
     let (file, _) = open_regular(path)?;
     let read = |stored: &mut Stored| array::read_list(stored, path, budget);
     let samples = with_array(&mut BufReader::new(file), path, array, read)?;
@@ -66,7 +66,7 @@ pub fn load_numbers(path: &Path, array: Option<&str>, budget: &Budget) -> Result
 ///
 /// # Errors
 /// The file cannot be read; there is no such array; it is not a single text.
-pub fn load_text(path: &Path, array: &str, budget: &Budget) -> Result<String> {
+pub(crate) fn load_text(path: &Path, array: &str, budget: &Budget) -> Result<String> {
     let (file, _) = open_regular(path)?;
     let read = |stored: &mut Stored| array::text(stored, path, budget);
     with_array(&mut BufReader::new(file), path, Some(array), read)

@@ -54,7 +54,7 @@ pub fn of_samples(cube: &CubeStore, order: Order) -> Vec<String> {
 }
 
 /// The same given the treatment of negative samples, and with light at the ends of the data accepted if it `is_held` there.
-pub fn of_samples_with(
+pub(crate) fn of_samples_with(
     cube: &CubeStore,
     order: Order,
     negative: Option<Negative>,
@@ -147,7 +147,7 @@ fn below_zero(cube: &CubeStore, light: &Light) -> Option<String> {
 }
 
 /// Suspicious properties of the data in the image of their capture camera, and in time. `index` is η of the medium.
-pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<String> {
+pub(crate) fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<String> {
     let store = texture.cube();
     if store.on_disk().is_some_and(|bricks| bricks.counts_only()) {
         return Vec::new();
@@ -262,7 +262,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
 }
 
 /// The times between which most bins are lit; `None` for dark data, and for data on disk, which are not read for it.
-pub fn lit_span(texture: &TimeTexture) -> Option<[f64; 2]> {
+pub(crate) fn lit_span(texture: &TimeTexture) -> Option<[f64; 2]> {
     let store = texture.cube();
     if store.on_disk().is_some() {
         return None;

@@ -58,7 +58,7 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
 
 /// The same for a material that may be unlit. In a scene with steady light, an unlit one shows its base colour, which is recorded
 /// radiance; if all light comes in pulses, it reflects them like others.
-pub fn shown_by(scene: &Scene, object: usize, (material, is_unlit): (&str, bool)) -> Lit {
+pub(crate) fn shown_by(scene: &Scene, object: usize, (material, is_unlit): (&str, bool)) -> Lit {
     let steady = |light: &Light| match &light.kind {
         LightKind::Lamp(lamp) => lamp.emission == EmissionProfile::Steady,
         LightKind::Area { emission, .. } => *emission == EmissionProfile::Steady,

@@ -3,12 +3,13 @@
 use glam::DVec3;
 
 use crate::error::{Error, Result, number};
+use crate::io::cube::Cube;
 use crate::mesh::shapes::Shape;
 use crate::mesh::{Material, Mesh, MeshError};
 use crate::scene::limits::{self, Wrong};
 use crate::scene::model::{
-    Beam, Binding, Brightness, Catalogue, EmissionProfile, Geometry, Lamp, Light, LightKind,
-    Mapping, Motion, Object, Scene, Sky, SkyRadiance, Source, SourceKind,
+    Beam, Binding, Brightness, Catalogue, CubeData, EmissionProfile, Geometry, Lamp, Light,
+    LightKind, Mapping, Motion, Object, Scene, Sky, SkyRadiance, Source, SourceKind,
 };
 
 /// What a number, a vector or a choice may be.
@@ -173,6 +174,13 @@ fn source(scene: &Scene, source: &Source) -> Result<()> {
             check_rows(scene, &of, &rows)
         }
         SourceKind::Cube(cube) => {
+            if let CubeData::Memory(samples) = &cube.data
+                && let Err(error) = samples.check()
+            {
+                let place = of + &error.field();
+                let what = error.to_string();
+                return Err(Error::invalid(&scene.name, place, what, Cube::CHECKED));
+            }
             let Mapping::Capture(camera) = &cube.mapping else {
                 return Ok(());
             };

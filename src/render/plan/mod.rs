@@ -31,7 +31,8 @@ use crate::scene::model::{
     Source, SourceKind, Spectra, TimeBins,
 };
 
-pub use bindings::{Lit, lit_by, shown_by};
+pub(crate) use bindings::shown_by;
+pub use bindings::{Lit, lit_by};
 pub(crate) use check::check_camera;
 pub(crate) use fixed::{PLANNED, PREPARED, check_same, check_size};
 pub(crate) use memory::BUILT_TOGETHER;

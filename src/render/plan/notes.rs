@@ -18,7 +18,7 @@ use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{
     Geometry, Lamp, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind, Spectra,
 };
-use crate::spacetime::{Quantity, Velocity};
+use crate::spacetime::{Hue, Quantity, Velocity};
 
 /// Velocities whose rapidities differ by less are the same up to rounding: W is 1 to as many digits.
 const SAME_RAPIDITY: f64 = 1e-9;
@@ -133,7 +133,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         || scene.lights.iter().any(lamp_moves);
     let sources = scene.sources.iter().map(|s| s.quantity);
     let mut quantities = sources.chain([scene.quantity]);
-    let colours = quantities.any(|q| q.line().is_none() && q != Quantity::Rgb);
+    let colours = quantities.any(|q| q.hue() == Hue::Stays);
     if moving && colours && scene.effects.doppler {
         notes.push(
             "colour channels hold no spectrum: the Doppler shift changes their brightness, not their hue \

@@ -16,7 +16,6 @@ use crate::io::image::Texture;
 use crate::light::lamp::{Emission, Lamp};
 use crate::light::reflection::reflectance_of_index;
 use crate::light::sky::Sky;
-use crate::light::time_texture::survey;
 use crate::mesh::{AlphaMode, Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, shown_by};
 use crate::render::progress::Progress;
@@ -32,8 +31,7 @@ use crate::spacetime::{Event, Quantity, World};
 
 /// Radiance of surfaces: constant, varying with time, or defined by the caller.
 #[derive(Debug)]
-#[non_exhaustive]
-pub enum SurfaceLight {
+pub(crate) enum SurfaceLight {
     /// Base colours only.
     Constant(BaseColours),
     /// Cubes, lamps, base colours.
@@ -70,12 +68,6 @@ impl SurfaceLight {
         cubes
             .iter()
             .any(|cube| cube.reconstruction() == Reconstruction::Footprint)
-    }
-
-    /// Whether there are cubes, and every sample examined of them is 0: of those in memory some thousands of pixels.
-    pub fn has_dark_data(&self) -> bool {
-        let cubes = self.time_resolved().map_or(&[][..], |light| &light.cubes);
-        !cubes.is_empty() && cubes.iter().all(|cube| survey::is_dark(cube.cube()))
     }
 
     /// Whether data could not be read on demand, or the caller's radiance has broken its contract.

@@ -120,7 +120,7 @@ fn masked_runs(patches: &[Patch], light: &Builder) -> Vec<MaskedRun> {
 ///
 /// # Errors
 /// Those of [`gltf::load`], and vertices that are out of range.
-pub fn object_mesh(
+pub(crate) fn object_mesh(
     scene: &Scene,
     object: &Object,
     want: gltf::Want,
@@ -151,7 +151,20 @@ pub fn object_mesh(
             let own_sets = mesh.uvs.len();
             (mesh, Vec::new(), own_sets)
         }
-        Geometry::Mesh(mesh) => (Mesh::clone(mesh), Vec::new(), mesh.uvs.len()),
+        Geometry::Mesh(shared) => {
+            // What is not requested is not copied.
+            let with_uvs = want.uvs || shared.has_masks();
+            let mesh = Mesh {
+                positions: shared.positions.clone(),
+                uvs: with_uvs.then(|| shared.uvs.clone()).unwrap_or_default(),
+                normals: (want.normals.then(|| shared.normals.clone())).unwrap_or_default(),
+                colours: shared.colours.clone(),
+                triangles: shared.triangles.clone(),
+                parts: shared.parts.clone(),
+                materials: shared.materials.clone(),
+            };
+            (mesh, Vec::new(), shared.uvs.len())
+        }
     };
     // Masks always need the coordinates of their textures.
     match &object.texture_coordinates {
@@ -162,10 +175,6 @@ pub fn object_mesh(
             let corners = texture_coordinates(object, file, mesh.triangles.len())?;
             mesh.insert_uvs(own_sets, &corners);
         }
-    }
-    // Those of meshes in memory exist whether they are requested or not.
-    if !want.normals {
-        mesh.normals.clear();
     }
     let transform = object.transform;
     mesh.turn_normals(transform.matrix3);

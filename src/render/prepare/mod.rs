@@ -10,9 +10,9 @@ mod sky;
 mod smooth;
 mod stores;
 
-pub use emitters::SurfaceLight;
+pub(crate) use emitters::SurfaceLight;
 pub use files::check_files;
-pub use geometry::object_mesh;
+pub(crate) use geometry::object_mesh;
 pub(crate) use response::scaling;
 pub use stores::LoadedCubes;
 
@@ -23,6 +23,7 @@ use std::sync::Arc;
 use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::light::time_texture::{TimeTexture, survey};
 use crate::render::film::Layout;
 use crate::render::plan::{
     PLANNED, PREPARED, Plan, check_camera, check_same, check_size, unfound_light, unshown,
@@ -42,8 +43,8 @@ pub struct Prepared {
     pub camera: Camera,
     /// The rest frames with their BVHs.
     pub frames: Vec<RestFrame>,
-    /// Radiance of surfaces; [`set_radiance`](Prepared::set_radiance) replaces it by the caller's own.
-    pub light: SurfaceLight,
+    /// Radiance of surfaces.
+    pub(crate) light: SurfaceLight,
     /// Refractive index that delays camera rays; 0 if retardation is turned off.
     pub ray_index: f64,
     /// How long the shutter is open, metres of the camera's own time, if data are integrated over that.
@@ -174,6 +175,23 @@ impl Prepared {
             event: self.camera.shot.event,
             index: self.ray_index,
         }
+    }
+
+    /// The radiance of all surfaces: that of the scene, or the one that replaces it.
+    pub fn radiance(&self) -> &dyn Radiance {
+        self.light.radiance()
+    }
+
+    /// The cubes that light surfaces, by source; none once their radiance is replaced.
+    pub fn cubes(&self) -> &[TimeTexture] {
+        let light = self.light.time_resolved();
+        light.map_or(&[], |light| light.cubes.as_slice())
+    }
+
+    /// Whether there are cubes, and every sample examined of them is 0: of those in memory some thousands of pixels.
+    pub fn has_dark_data(&self) -> bool {
+        let mut cubes = self.cubes().iter();
+        !self.cubes().is_empty() && cubes.all(|cube| survey::is_dark(cube.cube()))
     }
 
     /// Replaces the radiance of all surfaces in the scene (base colours, cubes, lamps) by `radiance`. Visibility, alpha masks, the

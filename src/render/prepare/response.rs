@@ -118,14 +118,6 @@ pub(super) fn eye(scene: &Scene) -> Eye {
 pub(crate) fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
     match equations {
         Equations::Exact => quantity,
-        Equations::Paper2015 => match quantity {
-            Quantity::Line { .. } | Quantity::Integrated => Quantity::PerWavelength,
-            Quantity::PerWavelength
-            | Quantity::PerFrequency
-            | Quantity::Photons
-            | Quantity::PhotonsPerWavelength
-            | Quantity::PhotonsPerFrequency
-            | Quantity::Rgb => quantity,
-        },
+        Equations::Paper2015 => quantity.as_in_2015(),
     }
 }

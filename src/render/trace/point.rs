@@ -9,6 +9,7 @@ use crate::spacetime::{Event, NullRay, Rest, WavelengthRatio, World};
 
 /// A point of a surface at the event at which its light leaves for the camera.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct SurfacePoint<'a> {
     /// The rest frame.
     pub rest: &'a RestFrame,

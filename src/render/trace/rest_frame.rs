@@ -41,6 +41,7 @@ pub(crate) struct SharedVertices {
 
 /// A run of triangles of one object with one emitter.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Patch {
     /// First triangle (index in the frame's BVH).
     pub first: u32,

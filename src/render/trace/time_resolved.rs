@@ -68,7 +68,7 @@ impl TimeResolved {
     pub(crate) fn emits(&self) -> bool {
         self.emitters.iter().any(|(emitter, _)| match emitter {
             Emitter::Lit { finish, .. } => finish.emission.is_some(),
-            _ => false,
+            Emitter::Base(_) | Emitter::Uv { .. } | Emitter::Captured(_) => false,
         })
     }
 
@@ -82,7 +82,7 @@ impl TimeResolved {
     pub(super) fn is_diffuse(&self) -> bool {
         self.emitters.iter().all(|(emitter, _)| match emitter {
             Emitter::Lit { finish, .. } => finish.gloss.is_none() && finish.glass.is_none(),
-            _ => true,
+            Emitter::Base(_) | Emitter::Uv { .. } | Emitter::Captured(_) => true,
         })
     }
 

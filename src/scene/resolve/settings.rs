@@ -2,7 +2,6 @@
 
 use super::context::Context;
 use crate::error::{Error, Result};
-use crate::figures::text::RichText;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::limits;
@@ -13,6 +12,7 @@ use crate::scene::model::{
 use crate::scene::values::Numbers;
 use crate::spacetime::Event;
 use crate::spacetime::units::quoted;
+use crate::text::RichText;
 
 pub(super) fn medium_index(cx: &Context, medium: &file::Medium) -> Result<f64> {
     let index = medium.index.value.0;

@@ -25,6 +25,7 @@ pub enum Effort {
 
 /// A regime in which errors are measured or counted, and its promised bound.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Check {
     /// A name of one word.
     pub name: &'static str,
@@ -57,6 +58,7 @@ struct Counted {
 
 /// The result of a check.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Outcome {
     /// The largest error, or the number of errors, in the check's unit.
     pub worst: f64,

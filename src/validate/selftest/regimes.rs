@@ -6,6 +6,7 @@ use super::{Check, Outcome};
 
 /// A regime with references.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Regime {
     /// See [`Check`].
     pub name: &'static str,

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::figures::drawing::{
     Anchor, AnchorX, AnchorY, Colour, Drawing, Fill, Item, Path, Stroke, Text,
 };
-use crate::figures::text::{Rect, RichText};
+use crate::text::{Rect, RichText};
 
 const WIDTH: f64 = 560.0;
 const HEIGHT: f64 = 300.0;

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use nullray::figures::diagram::{self, Series, model::Diagram};
 use nullray::figures::drawing::{Drawing, Item, Text};
 use nullray::figures::pixel_probe;
-use nullray::figures::text::{Rect, Segment};
+use nullray::text::{Rect, Segment};
 
 use super::parsed;
 

@@ -1,8 +1,10 @@
 //! A canvas for the tests' readers.
 
-use nullray::figures::drawing::png::path_of as path;
-use nullray::figures::text::Segment;
-use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Pixmap, Stroke, StrokeDash, Transform};
+use nullray::text::Segment;
+use tiny_skia::{
+    FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash,
+    Transform,
+};
 
 pub struct Canvas {
     pixmap: Pixmap,
@@ -81,4 +83,23 @@ fn paint([red, green, blue, alpha]: [u8; 4]) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color_rgba8(red, green, blue, alpha);
     paint
+}
+
+/// The segments as a tiny-skia path; `None` if there is nothing to draw.
+fn path(segments: &[Segment]) -> Option<Path> {
+    let mut path = PathBuilder::new();
+    for segment in segments {
+        match *segment {
+            Segment::Move([x, y]) => path.move_to(x as f32, y as f32),
+            Segment::Line([x, y]) => path.line_to(x as f32, y as f32),
+            Segment::Quadratic([a, b], [x, y]) => {
+                path.quad_to(a as f32, b as f32, x as f32, y as f32);
+            }
+            Segment::Cubic([a, b], [c, d], [x, y]) => {
+                path.cubic_to(a as f32, b as f32, c as f32, d as f32, x as f32, y as f32);
+            }
+            Segment::Close => path.close(),
+        }
+    }
+    path.finish()
 }

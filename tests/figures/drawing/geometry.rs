@@ -3,7 +3,7 @@
 use nullray::figures::drawing::{
     Anchor, AnchorX, AnchorY, Arrow, Colour, Drawing, Item, Node, Path, Stroke, Text, png, svg,
 };
-use nullray::figures::text::{Rect, Segment};
+use nullray::text::{Rect, Segment};
 
 use super::samples::{page, text};
 use super::svg_reader::{Token, data, tokens};

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use nullray::figures::drawing::{Drawing, Item, pdf, png, svg, tikz};
-use nullray::figures::text::RichText;
+use nullray::text::RichText;
 
 use super::samples;
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::Read;
 
-use nullray::figures::text::Segment;
+use nullray::text::Segment;
 
 use super::canvas::{Canvas, Pen};
 

@@ -1,8 +1,8 @@
 //! Pictures on pages.
 
 use nullray::figures::drawing::{Item, pdf, png, svg};
-use nullray::figures::text::Rect;
 use nullray::io::image::RgbImage;
+use nullray::text::Rect;
 
 use super::{pdf_reader, samples};
 

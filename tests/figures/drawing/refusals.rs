@@ -3,7 +3,7 @@
 use nullray::figures::drawing::{
     Arrow, Colour, Drawing, Fill, Hatch, Item, Path, Stroke, Text, pdf, png, svg,
 };
-use nullray::figures::text::{RichText, Segment};
+use nullray::text::{RichText, Segment};
 
 use super::samples::{page, text};
 

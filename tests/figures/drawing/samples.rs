@@ -4,7 +4,7 @@ use nullray::figures::drawing::{
     Anchor, AnchorX, AnchorY, Arrow, Cap, Colour, Drawing, Fill, Hatch, Item, Join, Path, Stroke,
     Text,
 };
-use nullray::figures::text::{Rect, RichText};
+use nullray::text::{Rect, RichText};
 
 pub const RED: Colour = Colour::rgb(190, 30, 40);
 pub const BLUE: Colour = Colour::rgb(30, 70, 170);

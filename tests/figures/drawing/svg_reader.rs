@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use nullray::figures::text::Segment;
+use nullray::text::Segment;
 
 use super::canvas::{Canvas, Pen};
 

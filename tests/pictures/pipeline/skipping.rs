@@ -6,7 +6,7 @@ use nullray::accel::{Precision, Preset};
 use nullray::camera::ViewKind;
 use nullray::render;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::{Prepared, SurfaceLight};
+use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::scene::model::{Binding, Scene};
 use tempfile::TempDir;
@@ -170,7 +170,7 @@ fn a_scene_at_rest_without_sources_has_no_boosts_no_time_and_no_channels() {
         (plan.view, prepared.camera.view.kind()),
         (ViewKind::Still, ViewKind::Still)
     );
-    assert!(matches!(prepared.light, SurfaceLight::Constant(_)));
+    assert!(prepared.cubes().is_empty() && prepared.radiance().even().is_some());
     assert!(prepared.layout.channels.is_empty() && !prepared.layout.has_gaps);
     assert!(
         prepared.frames[0]
@@ -200,17 +200,15 @@ shape = { box = { size = [0.3, 0.3, 0.3] } }
     assert_eq!(triangles, [14, 1280]);
     let built: Vec<u64> = prepared.frames.iter().map(|f| f.bvh.len() as u64).collect();
     assert_eq!(built, triangles);
-    let SurfaceLight::TimeResolved(light) = &prepared.light else {
-        panic!("a cube varies with time");
-    };
-    assert_eq!(light.cubes.len(), plan.cubes.iter().flatten().count());
-    let bytes: usize = light
-        .cubes
+    assert!(prepared.radiance().even().is_none());
+    let cubes = prepared.cubes();
+    assert_eq!(cubes.len(), plan.cubes.iter().flatten().count());
+    let bytes: usize = cubes
         .iter()
         .map(|c| c.cube().shape().iter().product::<usize>() * 8)
         .sum();
     assert_eq!(bytes as u64, plan.memory.cubes);
-    assert!(light.captures.is_empty() && plan.rays.capture == 0);
+    assert_eq!(plan.rays.capture, 0);
     for (frame, planned) in prepared.frames.iter().zip(&plan.frames) {
         for (mesh, object) in frame.meshes.iter().zip(&planned.objects) {
             assert_eq!(!mesh.uvs.is_empty(), plan.objects[*object].uvs);

@@ -69,7 +69,7 @@ fn films(text: &str, samples: u32, method: &str) -> [Film; 2] {
         format!("[display]\nsamples_per_pixel = {samples}\nbackground = [0.01, 0.3, 0.02]\n{text}");
     let mut stage = prepared(&scene(&text), &Request::default());
     let fast = film(&stage, method);
-    let (scaled, radiance) = stage.light.radiance().even().unwrap();
+    let (scaled, radiance) = stage.radiance().even().unwrap();
     stage.set_radiance(Box::new(Shaded { scaled, radiance }));
     [fast, film(&stage, method)]
 }
@@ -130,7 +130,7 @@ fn what_depends_on_more_than_patches_is_left_to_shading() {
     let pulse = "[[source]]\npulse = { position = [1, 3, 2], time = \"0 m\", sigma = \"9 m\", intensity = 20.0 }\n";
     let text = format!("{}{BODIES}{MOVING}", camera(""));
     let lit = prepared(&scene(&format!("{text}{pulse}")), &Request::default());
-    assert!(lit.light.radiance().even().is_none());
+    assert!(lit.radiance().even().is_none());
     // W between vertices differs from that of the samples.
     let [by_vertex, shaded] = films(&text, 1, "raster:none,attributes=vertex");
     assert!(bits(&by_vertex) == bits(&shaded));

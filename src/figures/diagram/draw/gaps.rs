@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::labels::{widened, without};
 use super::parts::{pieces, straight};
 use crate::figures::drawing::Item;
-use crate::figures::text::Rect;
+use crate::text::Rect;
 
 /// Free space around a label, points.
 const AIR: f64 = 0.6;

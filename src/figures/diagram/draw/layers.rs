@@ -6,7 +6,7 @@ use super::theme::Theme;
 use crate::figures::diagram::layout::{Area, Axes, Axis, Bead, Kind, Now, Panel, Point, Tick};
 use crate::figures::diagram::model::{Colour as Name, Style};
 use crate::figures::drawing::{Arrow, Colour, Fill, Item, Path, Stroke};
-use crate::figures::text::Rect;
+use crate::text::Rect;
 
 /// Radius of an event's dot, in widths of world lines.
 pub(super) const DOT: f64 = 1.7;

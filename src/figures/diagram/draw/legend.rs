@@ -5,7 +5,7 @@ use super::theme::Theme;
 use crate::error::Result;
 use crate::figures::diagram::layout::Layout;
 use crate::figures::drawing::{Anchor, Item, Path, Text};
-use crate::figures::text::RichText;
+use crate::text::RichText;
 
 /// Lines that a legend has: those with labels, of the first panel.
 fn entries(layout: &Layout) -> impl Iterator<Item = (usize, &str)> {

@@ -16,7 +16,7 @@ use super::layout::Layout;
 use crate::error::{Error, Result};
 use crate::figures::diagram::model::Style;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Drawing, Item, LONGEST_SIDE, Text};
-use crate::figures::text::{Rect, RichText};
+use crate::text::{Rect, RichText};
 use labels::Ground;
 pub(crate) use labels::Habits;
 use labels::{LEADING, widened, wrapped};

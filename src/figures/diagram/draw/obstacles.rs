@@ -6,7 +6,7 @@ use super::page::Map;
 use super::solid;
 use super::theme::Theme;
 use crate::figures::diagram::layout::{Panel, Tick};
-use crate::figures::text::Rect;
+use crate::text::Rect;
 
 /// How much thin lines, and the faint ones of a grid, disturb a label.
 const THIN: f64 = 0.8;

@@ -3,7 +3,7 @@
 use crate::figures::diagram::layout::{Panel, Point, Projection};
 use crate::figures::diagram::model::Style;
 use crate::figures::drawing::Path;
-use crate::figures::text::Rect;
+use crate::text::Rect;
 
 /// Width of a view, points: 120 mm.
 pub(in crate::figures::diagram) const WIDTH: f64 = 340.0;

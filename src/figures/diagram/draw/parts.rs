@@ -1,7 +1,7 @@
 //! Lines of which only parts are drawn.
 
 use crate::figures::drawing::{Item, Path, Stroke};
-use crate::figures::text::Segment;
+use crate::text::Segment;
 
 /// The points of one contour of straight lines.
 pub(super) fn straight(contour: &[Segment]) -> Option<Vec<[f64; 2]>> {

@@ -4,7 +4,7 @@ use super::labels::{part_within, widened};
 use super::page::Page;
 use super::parts::{pieces, straight};
 use crate::figures::drawing::{Item, Path};
-use crate::figures::text::{Rect, Segment};
+use crate::text::{Rect, Segment};
 
 /// How far from the page anything is drawn, points: beyond the width of any line, and within the largest length of TeX on pages of paper.
 const REACH: f64 = 10_000.0;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::types::{Note, Panel, number};
 use crate::figures::diagram::model::{Colour, Diagram, Interval, Kind};
-use crate::figures::text::rich::escaped;
+use crate::text::rich::escaped;
 
 /// The most world lines that a note names.
 const MOST_NAMES: usize = 3;

@@ -8,11 +8,11 @@ use super::settings::settable;
 use crate::error::Result;
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{Cone, Diagram, NamedLine, Segment, Spot, Track};
-use crate::figures::text::rich::escaped;
 use crate::scene::At;
 use crate::scene::Context;
 use crate::scene::{CameraMotion, Kinematics};
 use crate::spacetime::{Event, World};
+use crate::text::rich::escaped;
 
 /// The most objects that have world lines of their own.
 const MOST: usize = 12;

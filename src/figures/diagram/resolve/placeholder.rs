@@ -12,9 +12,9 @@ use toml_edit::{DocumentMut, Item, Table, Value};
 use crate::error::Result;
 use crate::figures::diagram::layout::{number, speed, speed_with_rest};
 use crate::figures::diagram::model::Diagram;
-use crate::figures::text::rich::escaped;
 use crate::scene::{At, Context};
 use crate::spacetime::units::quoted;
+use crate::text::rich::escaped;
 
 /// The frames that exist whether the file has them or not.
 const GIVEN: [&str; 2] = ["world", "camera"];

@@ -8,13 +8,13 @@ use crate::figures::diagram::draw::WIDTH;
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{Style, Unit, part_across};
 use crate::figures::drawing::LONGEST_SIDE;
-use crate::figures::text::RichText;
 use crate::scene::At;
 use crate::scene::Context;
 use crate::scene::Kinematics;
 use crate::scene::{Number, Numbers};
 use crate::spacetime::units::Length;
 use crate::spacetime::{Direction, World};
+use crate::text::RichText;
 
 /// Points of a metre of paper.
 const POINTS: f64 = 72.0 / 0.0254;

@@ -22,7 +22,7 @@ use crate::render::render;
 use crate::scene::model::{
     EmissionProfile, LightKind, Motion, Scene, Source, SourceKind, TimeFilter,
 };
-use crate::spacetime::{Quantity, Velocity};
+use crate::spacetime::{Hue, Quantity, Velocity};
 
 /// The most moving objects that are tested.
 const MOST_OBJECTS: usize = 8;
@@ -616,7 +616,7 @@ const OF_EXPONENTS: [Quantity; 4] = [
 fn other_exponents(scene: &Scene) -> Vec<Mistake> {
     let is_pulse = |source: &Source| matches!(source.kind, SourceKind::Pulse(_));
     let shines = scene.sources.iter().any(is_pulse) || !scene.lights.is_empty();
-    let has_exponent = !matches!(scene.quantity, Quantity::Rgb | Quantity::Line { .. });
+    let has_exponent = scene.quantity.hue() == Hue::Stays;
     let right = scene.quantity.exponent();
     let are_alike = scene
         .sources

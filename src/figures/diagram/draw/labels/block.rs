@@ -3,7 +3,7 @@
 use super::geometry::moved;
 use crate::error::Result;
 use crate::figures::drawing::AnchorY;
-use crate::figures::text::{Rect, RichText};
+use crate::text::{Rect, RichText};
 
 /// The most lines of a label, and the most parts of one that is broken.
 const MOST_LINES: usize = 6;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::figures::text::Rect;
+use crate::text::Rect;
 
 pub(in crate::figures::diagram::draw) fn widened(rect: Rect, by: f64) -> Rect {
     Rect {

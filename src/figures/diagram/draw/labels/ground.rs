@@ -3,7 +3,7 @@
 use super::geometry::{Grid, around, is_inside, part_within, touch, widened};
 use crate::figures::diagram::draw::theme::Theme;
 use crate::figures::drawing::Colour;
-use crate::figures::text::Rect;
+use crate::text::Rect;
 
 const OUTSIDE: f64 = 700.0;
 const ON_DOT: f64 = 60.0;

@@ -19,7 +19,7 @@ use std::collections::HashMap;
 
 use crate::error::Result;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Stroke, Text};
-use crate::figures::text::Rect;
+use crate::text::Rect;
 use block::Block;
 pub(super) use block::{LEADING, wrapped};
 use geometry::{Grid, distance, moved};

@@ -174,14 +174,14 @@ impl Columns {
     /// Replaces the contents by these vectors.
     pub fn take(&mut self, from: &[DVec3]) {
         self.resize(from.len());
-        dispatch(Apart { from, to: self });
+        dispatch(Deinterleave { from, to: self });
     }
 
     /// Appends all vectors to `to`.
     pub fn add_to(&self, to: &mut Vec<[f64; 3]>) {
         let begin = to.len();
         to.resize(begin + self.count, [0.0; 3]);
-        dispatch(Together {
+        dispatch(Interleave {
             from: self.axes(),
             to: &mut to[begin..],
         });
@@ -225,12 +225,12 @@ impl Columns {
 }
 
 /// The loop that puts the components of each vector together.
-struct Together<'a> {
+struct Interleave<'a> {
     from: [&'a [f64]; 3],
     to: &'a mut [[f64; 3]],
 }
 
-impl VectorLoop for Together<'_> {
+impl VectorLoop for Interleave<'_> {
     #[inline(always)]
     fn run(self) {
         let [x, y, z] = self.from;
@@ -241,12 +241,12 @@ impl VectorLoop for Together<'_> {
 }
 
 /// The loop that splits consecutive vectors by component.
-struct Apart<'a> {
+struct Deinterleave<'a> {
     from: &'a [DVec3],
     to: &'a mut Columns,
 }
 
-impl VectorLoop for Apart<'_> {
+impl VectorLoop for Deinterleave<'_> {
     #[inline(always)]
     fn run(self) {
         let (blocks, rest) = self.from.as_chunks::<BLOCK>();

@@ -193,7 +193,7 @@ fn a_value_of_a_list_s_name_is_refused_as_in_a_file() {
     // Lists of other notations are lists.
     for (text, count) in [
         ("object = []", 1),
-        ("object = [{ shape = { sphere = {} } }]", 2),
+        ("object = [{ shape = { sphere = { radius = 1 } } }]", 2),
     ] {
         let builder = Builder::from_toml("a scene", &format!("{text}\n{CAMERA}"));
         let scene = builder.shape("box", shapes_box()).build().unwrap();

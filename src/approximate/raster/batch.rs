@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::cull::Reach;
+use super::cull::ScreenBounds;
 use super::vertices::Vertex;
 use crate::render::film::TILE;
 
@@ -14,8 +14,8 @@ pub(super) struct Piece {
     pub corners: [u32; 3],
     /// The slot of the triangle that it is a part of.
     pub slot: u32,
-    /// The part of the film that it can reach, and the only tile there, or [`Reach::SEVERAL`].
-    pub reach: Reach,
+    /// The part of the film that it can reach, and the only tile there, or [`ScreenBounds::SEVERAL`].
+    pub reach: ScreenBounds,
     pub tile: u32,
 }
 
@@ -131,7 +131,7 @@ impl Bins {
         let mut pairs = Vec::new();
         let (mut first, mut last) = (u32::MAX, 0);
         for (index, piece) in (0u32..).zip(triangles) {
-            if piece.tile == Reach::SEVERAL {
+            if piece.tile == ScreenBounds::SEVERAL {
                 grid.tiles(piece, &film, |tile| {
                     first = first.min(tile);
                     last = last.max(tile);
@@ -148,7 +148,7 @@ impl Bins {
         // A counting sort, which keeps the order within a tile.
         let mut starts = vec![0; (last - first + 2) as usize];
         let only = triangles.iter().map(|piece| piece.tile);
-        let only = only.filter(|tile| *tile != Reach::SEVERAL);
+        let only = only.filter(|tile| *tile != ScreenBounds::SEVERAL);
         for tile in only.chain(pairs.iter().map(|(tile, _)| *tile)) {
             starts[(tile - first + 1) as usize] += 1;
         }
@@ -165,7 +165,7 @@ impl Bins {
         // These are in the order of the pieces, like the others.
         let mut pairs = pairs.into_iter().peekable();
         for (index, piece) in (0..).zip(triangles) {
-            if piece.tile != Reach::SEVERAL {
+            if piece.tile != ScreenBounds::SEVERAL {
                 put(piece.tile, index);
                 continue;
             }

@@ -28,16 +28,16 @@ const ROUNDING: f64 = 1.0 / (1u32 << 23) as f64;
 
 /// The part of the film that a triangle can reach, pixels: left, top, right, bottom.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach(pub [f32; 4]);
+pub(super) struct ScreenBounds(pub [f32; 4]);
 
-impl Reach {
+impl ScreenBounds {
     /// For a triangle that reaches several tiles.
     pub const SEVERAL: u32 = u32::MAX;
 
-    /// The index of the only tile of a film of `size` pixels that it reaches, or [`Reach::SEVERAL`].
+    /// The index of the only tile of a film of `size` pixels that it reaches, or [`ScreenBounds::SEVERAL`].
     #[inline(always)]
     pub fn tile(&self, size: [u32; 2]) -> u32 {
-        let Reach([left, top, right, bottom]) = *self;
+        let ScreenBounds([left, top, right, bottom]) = *self;
         let last = size.map(|n| (n - 1) as f32);
         let (left, right) = (tiles(left.min(last[0])), tiles(right.min(last[0])));
         let (top, bottom) = (tiles(top.min(last[1])), tiles(bottom.min(last[1])));
@@ -45,7 +45,7 @@ impl Reach {
         let only = top * size[0].div_ceil(TILE) + left;
         match (left == right) & (top == bottom) {
             true => only,
-            false => Reach::SEVERAL,
+            false => ScreenBounds::SEVERAL,
         }
     }
 
@@ -53,7 +53,7 @@ impl Reach {
     /// column and row.
     #[inline(always)]
     pub fn pixels(&self, first: [u32; 2], last: [u32; 2]) -> [u32; 4] {
-        let Reach([left, top, right, bottom]) = *self;
+        let ScreenBounds([left, top, right, bottom]) = *self;
         let within = |x: f32, axis: usize| (x as u32).clamp(first[axis], last[axis]) - first[axis];
         [
             within(left, 0),
@@ -148,8 +148,8 @@ impl SoleSamples {
 
     /// Whether a triangle that can reach this part of the film contains none of them. Not known, and false, if it is larger than a pixel.
     #[inline(always)]
-    pub fn miss(&self, reach: Reach) -> bool {
-        let Reach([left, top, right, bottom]) = reach;
+    pub fn miss(&self, reach: ScreenBounds) -> bool {
+        let ScreenBounds([left, top, right, bottom]) = reach;
         let last = self.size.map(|n| n - 1);
         let [column, row, last_column, last_row] = reach.pixels([0; 2], last);
         // Rounding to f32 keeps the order of numbers, so that none inside is missed.
@@ -229,7 +229,7 @@ impl VectorLoop for ReachAll<'_> {
         }
         let size = self.film.pixels();
         for at in 0..LOT {
-            tiles[at] = Reach([left[at], top[at], right[at], bottom[at]]).tile(size);
+            tiles[at] = ScreenBounds([left[at], top[at], right[at], bottom[at]]).tile(size);
         }
     }
 }
@@ -287,7 +287,7 @@ impl Frustum {
 
     /// The part of the film that a flat triangle can reach: left, top, right, bottom. `None` if it is outside the film.
     #[inline]
-    pub fn reach(&self, [a, b, c]: [&Vertex; 3]) -> Option<Reach> {
+    pub fn reach(&self, [a, b, c]: [&Vertex; 3]) -> Option<ScreenBounds> {
         let bounds = match is_before(a.film.z, b.film.z, c.film.z) {
             true => {
                 let [a, b, c] = [a, b, c].map(|v| v.film.truncate() / v.film.z);
@@ -297,7 +297,7 @@ impl Frustum {
             false => self.bounds_beside([a.film, b.film, c.film])?,
         };
         let (is_seen, reach) = self.edges().reach(bounds);
-        is_seen.then_some(Reach(reach))
+        is_seen.then_some(ScreenBounds(reach))
     }
 
     /// Whether a point is seen on the film.

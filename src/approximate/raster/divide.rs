@@ -12,7 +12,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::batch::{Batch, Bins, Grid, Piece};
-use super::cull::{Before, Frustum, Reach, ReachAll, SEEN, SoleSamples, UNSEEN};
+use super::cull::{Before, Frustum, ReachAll, SEEN, ScreenBounds, SoleSamples, UNSEEN};
 use super::cuts::{Cuts, points};
 use super::flatness::{Bend, Edges, LOT};
 use super::method::Tessellation;
@@ -170,7 +170,7 @@ impl<'a> BatchBuilder<'a> {
                     continue;
                 }
                 let corners = *corners;
-                let reach = Reach(lot.reach.each_ref().map(|bound| bound[at]));
+                let reach = ScreenBounds(lot.reach.each_ref().map(|bound| bound[at]));
                 match kind {
                     SEEN if samples.is_some_and(|samples| samples.miss(reach)) => {}
                     SEEN => self.batch.pieces.push(Piece {

@@ -4,7 +4,7 @@ mod existing;
 pub mod goal;
 mod report;
 
-use std::path::{Path, PathBuf};
+use std::path::{Display, Path, PathBuf};
 use std::time::Instant;
 
 use nullray::error::{Message, Setting, number};
@@ -235,42 +235,14 @@ impl Bake<'_> {
     /// Bakes all `jobs`.
     pub fn run(&self, mut jobs: Vec<Job>) -> Result<()> {
         let began = Instant::now();
-        let (scene, bins, precision) = (self.scene, &self.bins, self.precision);
+        let scene = self.scene;
         let (request, plan) = self.planned(&mut jobs)?;
         let read = inputs::of(scene, &plan);
         check_names(self.path, &jobs, &read)?;
-        // A journal is resumed only if everything it depends on is unchanged.
-        let inputs = Inputs::read(read.get(1..).unwrap_or_default());
-        let samples = Samples::new(scene, &request, &inputs);
+        let earlier = Earlier::new(self, &request, &plan, &read);
         let quiet = self.work.quiet.on;
-        let sum = |job: &Job, count: u32| {
-            let goal = self.goal.map_or(String::new(), |goal| goal.to_string());
-            // "means": parts of earlier versions have energies of all samples.
-            let what = format!("baked means {:?} {bins:?} {count}{goal}", job.surface);
-            samples.of_sums(&what)
-        };
-        let possible = match self.goal {
-            None => vec![plan.film.samples],
-            Some(_) => goal::POSSIBLE.to_vec(),
-        };
-        let done_as = |job: &Job| {
-            let found = job.fingerprint()?;
-            let mut sums = possible.iter().map(|samples| sum(job, *samples));
-            sums.find(|sum| found == hexadecimal(sum))
-        };
-        // A run that ended just after it had written the file has left its parts; those of other work are kept.
-        let clear = |job: &Job| {
-            let journal = done_as(job).and_then(|sum| Journal::open(&job.unfinished(), &sum).ok());
-            journal.map_or(Ok(()), Journal::remove)
-        };
         if self.of_flash {
-            let (done, left) = jobs.into_iter().partition(|job| done_as(job).is_some());
-            let done: Vec<Job> = done;
-            for job in &done {
-                clear(job)?;
-                say(quiet, &format!("{} exists already\n", job.path.display()))?;
-            }
-            jobs = left;
+            jobs = earlier.left(jobs, |_| true, |path, _| format!("{path} exists already\n"))?;
         }
         if jobs.is_empty() {
             return Ok(());
@@ -285,26 +257,13 @@ impl Bake<'_> {
             // Of several objects those that an earlier run finished are kept, as frames of a sequence are.
             let all = jobs.len();
             if jobs.len() > 1 && !self.of_flash {
-                let is_done =
-                    |job: &Job| done_as(job).is_some() && existing::is_whole(&job.path, precision);
-                let (done, left): (Vec<Job>, _) = jobs.into_iter().partition(is_done);
-                for job in &done {
-                    clear(job)?;
-                    let path = job.path.display();
-                    let table = job.said("source_table").unwrap_or_default();
-                    say(quiet, &format!("{path} exists already\n\n{table}"))?;
-                }
-                jobs = left;
+                let is_whole = |job: &Job| existing::is_whole(&job.path, self.precision);
+                jobs = earlier.left(jobs, is_whole, |path, table| {
+                    format!("{path} exists already\n\n{table}")
+                })?;
             }
-            let skips = jobs.len() < all;
             if self.of_flash {
-                let largest = self.largest(&jobs) as f64 / 1e6;
-                let [columns, rows] = jobs[0].surface.map_or([0; 2], |surface| surface.size);
-                let text = format!(
-                    "baking the light of the flash: {columns} × {rows} texels, {} bins; takes {largest:.0} MB of memory\n",
-                    bins.count
-                );
-                say(quiet, &text)?;
+                say(quiet, &self.size_of_flash(&jobs))?;
             }
             let of_all = match self.goal {
                 None => self.texels(&jobs).saturating_mul(plan.film.samples.into()),
@@ -314,26 +273,11 @@ impl Bake<'_> {
             let mut left = self.texels(&jobs);
             // A .npy file does not say what it is of: its parts are kept until all objects are done.
             let mut finished: Vec<Journal> = Vec::new();
-            let mut is_first = !skips;
+            let mut is_first = jobs.len() == all;
             for job in &jobs {
                 let texels = self.texels(std::slice::from_ref(job));
-                let chosen = match self.goal {
-                    None => Chosen::of(plan.film.samples),
-                    Some(goal) => match job.unfinished_with(&possible, |n| sum(job, n))? {
-                        Some(samples) => Chosen::of(samples),
-                        None => {
-                            let share = texels as f64 / left as f64;
-                            let trials = self.trials(&prepared, job)?;
-                            let chosen = goal.samples(&trials, (began, share), quiet)?;
-                            let unit = match job.surface {
-                                Some(_) => "texel",
-                                None => "pixel",
-                            };
-                            say(quiet, &chosen.text(&job.path, unit))?;
-                            chosen
-                        }
-                    },
-                };
+                let share = texels as f64 / left as f64;
+                let chosen = self.chosen(&prepared, job, &earlier, (began, share))?;
                 left -= texels;
                 prepared.layout.samples = chosen.samples;
                 let own = Bar::new(texels.saturating_mul(chosen.samples.into()), quiet);
@@ -341,7 +285,7 @@ impl Bake<'_> {
                     None => &bar,
                     Some(_) => &own,
                 };
-                let sum = sum(job, chosen.samples);
+                let sum = earlier.sum(job, chosen.samples);
                 let journal = Journal::open(&job.unfinished(), &sum)?;
                 match (is_first, finished.is_empty()) {
                     (true, _) => interrupt::can_resume(ANEW),
@@ -349,25 +293,8 @@ impl Bake<'_> {
                     (false, false) => interrupt::keeps(OTHERS),
                 }
                 is_first = false;
-                if journal.found() > 0 {
-                    interrupt::keeps(RESUME);
-                    say(quiet, &format!("resuming {}\n", job.path.display()))?;
-                }
-                if journal.forgot() {
-                    let name = job.unfinished();
-                    let text = format!(
-                        "{} held parts of another bake (other options or another scene); starting over",
-                        name.display()
-                    );
-                    warn(quiet, &[text]);
-                }
-                let (kept, bar) = (Some(&journal), &Kept(bar));
-                let baked = match &job.surface {
-                    None => bake::camera_cube(scene, &prepared, bins, precision, kept, bar),
-                    Some(surface) => {
-                        bake::surface_cube(scene, &prepared, surface, bins, precision, kept, bar)
-                    }
-                };
+                self.say_found(job, &journal)?;
+                let baked = self.baked(&prepared, job, &journal, bar);
                 // Partial results of a refused bake are useless, unless the problem is the range of half precision.
                 let baked = match baked {
                     Err(error @ Error::Invalid { .. }) => {
@@ -380,35 +307,16 @@ impl Bake<'_> {
                     baked => baked?,
                 };
                 interrupt::check()?;
-                let table = source((scene, &plan), &prepared, job, bins, &baked);
-                let mut metadata = metadata::of_baked(scene, bins, chosen.samples, &baked);
+                let table = source((scene, &plan), &prepared, job, &self.bins, &baked);
+                let mut metadata = metadata::of_baked(scene, &self.bins, chosen.samples, &baked);
                 metadata.push(("source_table".into(), table.clone()));
                 metadata.push((FINGERPRINT.into(), hexadecimal(&sum)));
-                write(job, &metadata, bins.count, &baked)?;
+                write(job, &metadata, self.bins.count, &baked)?;
                 match extension(&job.path) == "npz" {
                     true => journal.remove()?,
                     false => finished.push(journal),
                 }
-                let (text, warnings) = report(
-                    (scene, &plan),
-                    job,
-                    (&baked, bins, precision),
-                    &table,
-                    self.of_flash,
-                );
-                // The command that makes a film of a flash neither asks for sources nor has other ways to bake.
-                let (text, warnings) = match self.of_flash {
-                    true => (
-                        text.lines()
-                            .take(1)
-                            .map(|line| format!("{line}\n"))
-                            .collect(),
-                        warnings.iter().map(|text| text.replace(WAYS, "")).collect(),
-                    ),
-                    false => (text, warnings),
-                };
-                say(quiet, &text)?;
-                warn(quiet, &warnings);
+                self.report(&plan, job, &baked, &table)?;
                 if let Some(goal) = self.goal {
                     warn(quiet, goal.missed_by(&baked, &chosen).as_slice());
                 }
@@ -417,6 +325,166 @@ impl Bake<'_> {
             warn(quiet, &prepared.warnings);
             Ok(())
         })
+    }
+
+    /// What baking the light of a flash takes.
+    fn size_of_flash(&self, jobs: &[Job]) -> String {
+        let largest = self.largest(jobs) as f64 / 1e6;
+        let [columns, rows] = jobs[0].surface.map_or([0; 2], |surface| surface.size);
+        format!(
+            "baking the light of the flash: {columns} × {rows} texels, {} bins; takes {largest:.0} MB of memory\n",
+            self.bins.count
+        )
+    }
+
+    /// The number of samples of `job`, which is this `share` of the work that is left: that of the parts that an earlier run has kept, or
+    /// else by trials, if it is to be chosen.
+    fn chosen(
+        &self,
+        prepared: &Prepared,
+        job: &Job,
+        earlier: &Earlier,
+        (began, share): (Instant, f64),
+    ) -> Result<Chosen> {
+        let Some(goal) = self.goal else {
+            return Ok(Chosen::of(prepared.layout.samples));
+        };
+        if let Some(samples) = earlier.unfinished(job)? {
+            return Ok(Chosen::of(samples));
+        }
+        let quiet = self.work.quiet.on;
+        let trials = self.trials(prepared, job)?;
+        let chosen = goal.samples(&trials, (began, share), quiet)?;
+        let unit = match job.surface {
+            Some(_) => "texel",
+            None => "pixel",
+        };
+        say(quiet, &chosen.text(&job.path, unit))?;
+        Ok(chosen)
+    }
+
+    /// Says what an earlier run has left of `job`.
+    fn say_found(&self, job: &Job, journal: &Journal) -> Result<()> {
+        let quiet = self.work.quiet.on;
+        if journal.found() > 0 {
+            interrupt::keeps(RESUME);
+            say(quiet, &format!("resuming {}\n", job.path.display()))?;
+        }
+        if journal.forgot() {
+            let name = job.unfinished();
+            let text = format!(
+                "{} held parts of another bake (other options or another scene); starting over",
+                name.display()
+            );
+            warn(quiet, &[text]);
+        }
+        Ok(())
+    }
+
+    /// The light of `job`, whose finished parts are kept in `journal`.
+    fn baked(&self, prepared: &Prepared, job: &Job, journal: &Journal, bar: &Bar) -> Result<Baked> {
+        let (scene, bins, precision) = (self.scene, &self.bins, self.precision);
+        let (kept, bar) = (Some(journal), &Kept(bar));
+        match &job.surface {
+            None => bake::camera_cube(scene, prepared, bins, precision, kept, bar),
+            Some(surface) => {
+                bake::surface_cube(scene, prepared, surface, bins, precision, kept, bar)
+            }
+        }
+    }
+
+    /// Says what was written for `job`, which scenes show by the source `table`.
+    fn report(&self, plan: &Plan, job: &Job, baked: &Baked, table: &str) -> Result<()> {
+        let (text, warnings) = report(
+            (self.scene, plan),
+            job,
+            (baked, &self.bins, self.precision),
+            table,
+            self.of_flash,
+        );
+        // The command that makes a film of a flash neither asks for sources nor has other ways to bake.
+        let (text, warnings) = match self.of_flash {
+            true => (
+                text.lines()
+                    .take(1)
+                    .map(|line| format!("{line}\n"))
+                    .collect(),
+                warnings.iter().map(|text| text.replace(WAYS, "")).collect(),
+            ),
+            false => (text, warnings),
+        };
+        say(self.work.quiet.on, &text)?;
+        warn(self.work.quiet.on, &warnings);
+        Ok(())
+    }
+}
+
+/// What earlier runs of a bake may have left: finished files, and parts of unfinished ones. They count only if everything they depend on is
+/// unchanged.
+struct Earlier<'a> {
+    bake: &'a Bake<'a>,
+    samples: Samples,
+    /// The numbers of samples that they may have.
+    possible: Vec<u32>,
+}
+
+impl<'a> Earlier<'a> {
+    fn new(bake: &'a Bake, request: &Request, plan: &Plan, read: &[PathBuf]) -> Earlier<'a> {
+        let inputs = Inputs::read(read.get(1..).unwrap_or_default());
+        Earlier {
+            bake,
+            samples: Samples::new(bake.scene, request, &inputs),
+            possible: match bake.goal {
+                None => vec![plan.film.samples],
+                Some(_) => goal::POSSIBLE.to_vec(),
+            },
+        }
+    }
+
+    /// The fingerprint of `job` with this number of samples.
+    fn sum(&self, job: &Job, count: u32) -> [u8; 32] {
+        let (bins, goal) = (&self.bake.bins, self.bake.goal);
+        let goal = goal.map_or(String::new(), |goal| goal.to_string());
+        // "means": parts of earlier versions have energies of all samples.
+        let what = format!("baked means {:?} {bins:?} {count}{goal}", job.surface);
+        self.samples.of_sums(&what)
+    }
+
+    /// The fingerprint of `job` in its file, if that is of the same work.
+    fn done_as(&self, job: &Job) -> Option<[u8; 32]> {
+        let found = job.fingerprint()?;
+        let mut sums = self.possible.iter().map(|samples| self.sum(job, *samples));
+        sums.find(|sum| found == hexadecimal(sum))
+    }
+
+    /// The number of samples of the parts of `job` that are kept, if there are any.
+    fn unfinished(&self, job: &Job) -> Result<Option<u32>> {
+        for samples in &self.possible {
+            if Journal::open(&job.unfinished(), &self.sum(job, *samples))?.found() > 0 {
+                return Ok(Some(*samples));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The jobs that are left: of those that are done, and whole, it says so by path and table of sources.
+    fn left(
+        &self,
+        jobs: Vec<Job>,
+        is_whole: impl Fn(&Job) -> bool,
+        said: impl Fn(Display, &str) -> String,
+    ) -> Result<Vec<Job>> {
+        let is_done = |job: &Job| self.done_as(job).is_some() && is_whole(job);
+        let (done, left): (Vec<Job>, _) = jobs.into_iter().partition(is_done);
+        for job in &done {
+            // A run that ended just after it had written the file has left its parts; those of other work are kept.
+            let journal = self.done_as(job);
+            let journal = journal.and_then(|sum| Journal::open(&job.unfinished(), &sum).ok());
+            journal.map_or(Ok(()), Journal::remove)?;
+            let table = job.said("source_table").unwrap_or_default();
+            say(self.bake.work.quiet.on, &said(job.path.display(), &table))?;
+        }
+        Ok(left)
     }
 }
 
@@ -689,20 +757,6 @@ impl Job {
     fn said(&self, key: &str) -> Option<String> {
         let said = npy::load_metadata(&self.path)?;
         said.get(key)?.as_str().map(str::to_owned)
-    }
-
-    /// The number of samples among `possible` of the parts that are kept, if there are any.
-    fn unfinished_with(
-        &self,
-        possible: &[u32],
-        sum: impl Fn(u32) -> [u8; 32],
-    ) -> Result<Option<u32>> {
-        for samples in possible {
-            if Journal::open(&self.unfinished(), &sum(*samples))?.found() > 0 {
-                return Ok(Some(*samples));
-            }
-        }
-        Ok(None)
     }
 
     /// The file that keeps finished parts.

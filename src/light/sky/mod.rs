@@ -24,7 +24,7 @@ mod levels;
 mod panorama;
 mod rays;
 mod star;
-mod stars;
+mod star_map;
 mod sun;
 mod tally;
 
@@ -35,7 +35,7 @@ pub use catalogue::stars;
 pub use grid::LightGrid;
 pub use panorama::Panorama;
 pub use star::{Beaming, Motion, Motions, Star};
-pub use stars::StarMap;
+pub use star_map::StarMap;
 use sun::Sun;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};

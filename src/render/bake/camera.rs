@@ -18,7 +18,9 @@ use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::{Sampler, samples_per_part};
-use crate::render::trace::{AT_ONCE, CameraRays, RestFrame, Seen, Start, TimedPaths, generator};
+use crate::render::trace::{
+    AT_ONCE, CameraRays, RestFrame, Start, TimedPaths, Viewpoint, generator,
+};
 use crate::scene::model::{Clock, Motion, ProjectionKind, Scene};
 use crate::spacetime::{Direction, Event, Rest};
 
@@ -196,7 +198,7 @@ impl<'a> Pixels<'a> {
             if let Some(hit) = hit {
                 starts.push(Start {
                     hit,
-                    seen: Seen::From(shot.x, *d),
+                    seen: Viewpoint::From(shot.x, *d),
                     sample: (numbers.pixel(ray), numbers.index(ray)),
                 });
                 met.push(pixel);

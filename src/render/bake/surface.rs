@@ -16,7 +16,7 @@ use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::{Sampler, pixel_key, samples_per_part, sobol};
-use crate::render::trace::{Patch, RestFrame, Seen, Start, TimedPaths};
+use crate::render::trace::{Patch, RestFrame, Start, TimedPaths, Viewpoint};
 use crate::scene::model::{CubeBacks, Object, Scene};
 
 /// Which object is baked, and onto which texture.
@@ -555,7 +555,7 @@ impl<'a> Charts<'a> {
                 if let Some(hit) = self.locate([j, row], point, i < height)? {
                     starts.push(Start {
                         hit,
-                        seen: Seen::Diffuse,
+                        seen: Viewpoint::Diffuse,
                         sample: (key, within),
                     });
                 }

@@ -156,8 +156,14 @@ pub(crate) fn object_mesh(
             let with_uvs = want.uvs || shared.has_masks();
             let mesh = Mesh {
                 positions: shared.positions.clone(),
-                uvs: with_uvs.then(|| shared.uvs.clone()).unwrap_or_default(),
-                normals: (want.normals.then(|| shared.normals.clone())).unwrap_or_default(),
+                uvs: match with_uvs {
+                    true => shared.uvs.clone(),
+                    false => Vec::new(),
+                },
+                normals: match want.normals {
+                    true => shared.normals.clone(),
+                    false => Vec::new(),
+                },
                 colours: shared.colours.clone(),
                 triangles: shared.triangles.clone(),
                 parts: shared.parts.clone(),

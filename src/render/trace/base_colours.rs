@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::emitted::{Emitted, Response};
-use super::point::EmissionClock;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::Run;
+use super::surface_point::EmissionClock;
 use crate::accel::Hit;
 use crate::io::image::Texture;
 use crate::light::lamp;

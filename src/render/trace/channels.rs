@@ -1,7 +1,7 @@
 //! Auxiliary channels of a sample.
 
-use super::point::ObservedPoint;
 use super::radiance::Radiance;
+use super::surface_point::ObservedPoint;
 use crate::render::aov::{Aov, Combine};
 use crate::render::film::TileFilm;
 use crate::spacetime::{Direction, World};

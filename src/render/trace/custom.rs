@@ -4,10 +4,10 @@ use std::sync::OnceLock;
 
 use super::base_colours::Dependence;
 use super::emitted::{Emission, Emitted, Scaling};
-use super::point::SurfacePoint;
 use super::radiance::Radiance;
 use super::run::Run;
 use super::stats::Meter;
+use super::surface_point::SurfacePoint;
 use crate::error::{Error, Result};
 use crate::light::time_texture::CaptureView;
 

@@ -10,7 +10,7 @@ use super::camera_rays::LeftTriangle;
 use super::hits::HitBuffer;
 use super::lamp_light::{Gathered, LampLight};
 use super::occlusion::{OcclusionQueries, shadow_starts};
-use super::points::Points;
+use super::point_columns::Points;
 use super::sharing::{Groups, Receivers};
 use super::spectral_points::SpectralPoints;
 use crate::accel::vectors::Columns;

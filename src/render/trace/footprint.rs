@@ -51,9 +51,9 @@ use glam::{DVec2, DVec3};
 
 use super::camera_rays::{CameraRays, TIME};
 use super::emitted::{Emission, Emitted};
-use super::point::EmissionClock;
 use super::run::Run;
 use super::stats::{Counter, Meter};
+use super::surface_point::EmissionClock;
 use crate::light::time_texture::{Capture, CapturePoint, Located, Near, Sampled, TimeTexture};
 use crate::scene::model::Reconstruction;
 use crate::spacetime::{Direction, NullRay, World};

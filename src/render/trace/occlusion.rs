@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::points::Points;
+use super::point_columns::Points;
 use super::tubes::Bundle;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, store};
 use crate::accel::{Bvh, Converging, Counts, Ray, Segment, Traversal};

@@ -6,7 +6,7 @@
 use super::camera_rays::{LeftTriangle, Rays, Samples};
 use super::emitted::{Chosen, Drawn, Emitted, Level};
 use super::occlusion::CLEARANCE;
-use super::points::Points;
+use super::point_columns::Points;
 use super::run::{Run, TracedRays};
 use super::sharing::{Group, Groups, Sharing, Ungrouped};
 use crate::camera::RayOrigin;

@@ -87,13 +87,13 @@ use super::emitted::{
 };
 use super::lamps;
 use super::onward::{choose, level};
-use super::point::SurfacePoint;
 use super::radiance::Radiance;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::{Run, TracedRays};
 use super::sharing::{AT_ONCE, Sharing};
 use super::sky_light::SkyLight;
 use super::stats::{Meter, Stage};
+use super::surface_point::SurfacePoint;
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::colour::{Line, Wavelengths, per_wavelength_power};
 use crate::light::Received;

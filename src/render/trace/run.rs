@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::camera_rays::Rays;
 use super::hits::{HitBuffer, SurfaceHit};
-use super::point::{EmissionClock, ObservedPoint, SurfacePoint};
 use super::rest_frame::{Patch, RestFrame};
+use super::surface_point::{EmissionClock, ObservedPoint, SurfacePoint};
 use super::surfaces::Surfaces;
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, VectorLoop, Vectors, dispatch};

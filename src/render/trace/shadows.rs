@@ -1,7 +1,7 @@
 //! Shadow rays from the points of a run, through all rest frames.
 
 use super::occlusion::{Obstacles, OcclusionQueries, Places};
-use super::points::Points;
+use super::point_columns::Points;
 use super::run::Run;
 use super::stats::Meter;
 use super::surfaces::{Frame, Frames, Many, Surfaces};

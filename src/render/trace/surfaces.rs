@@ -9,9 +9,9 @@ use glam::DVec3;
 use super::camera_rays::Rays;
 use super::cone::{DirectionBounds, VisibleCone};
 use super::hits::HitBuffer;
-use super::point::SurfacePoint;
 use super::rest_frame::RestFrame;
 use super::stats::{Meter, Stage};
+use super::surface_point::SurfacePoint;
 use super::tubes::Tubes;
 use crate::camera::Shot;
 use crate::spacetime::{

@@ -53,14 +53,14 @@ pub(crate) struct Start {
     /// The first hit.
     pub hit: Hit,
     /// How it is seen.
-    pub seen: Seen,
+    pub seen: Viewpoint,
     /// The key of its pixel, and the sample index.
     pub sample: (u64, u32),
 }
 
 /// How the first surface of a path is seen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Seen {
+pub(crate) enum Viewpoint {
     /// From this point along a unit vector of the rest frame. Delays include the way to the point.
     From(DVec3, DVec3),
     /// By diffuse reflection from the side of the hit. Delays end at the surface.
@@ -85,7 +85,7 @@ struct Vertex<'a> {
 }
 
 /// The contribution of a lamp or a shining surface along a path.
-struct Found<'a> {
+struct Contribution<'a> {
     path: usize,
     emission: &'a Emission,
     light: [f64; 3],
@@ -186,7 +186,7 @@ struct PathHit {
 
 /// Light of a lamp at a surface, if it is not blocked.
 struct LightSample<'a> {
-    found: Found<'a>,
+    found: Contribution<'a>,
     /// The segment to be tested for obstacles.
     way: Option<Segment>,
 }
@@ -215,7 +215,7 @@ impl TimedPaths<'_> {
         let mut samples: Vec<_> = starts.iter().map(|start| start.sample).collect();
         let mut shared = Shared::default();
         // Samples of a texel could only share with one another, and gain nothing.
-        let shares = |start: &Start| matches!(start.seen, Seen::From(..));
+        let shares = |start: &Start| matches!(start.seen, Viewpoint::From(..));
         let shares = starts.first().is_some_and(shares);
         for depth in 0..=self.bounces {
             // Next-event estimation: every lamp, and one point on all shining surfaces.
@@ -298,7 +298,7 @@ impl TimedPaths<'_> {
         &'a self,
         shared: &mut Shared,
         samples: &[(u64, u32)],
-        all: &mut Vec<Found<'a>>,
+        all: &mut Vec<Contribution<'a>>,
     ) -> Vec<Vertex<'a>> {
         // The samples of shared paths follow those of the starts.
         let starts = samples.len() - shared.chosen.len();
@@ -336,7 +336,7 @@ impl TimedPaths<'_> {
                 path_hit.carried,
                 path_hit.delay,
             );
-            all.extend(own.map(|own| Found {
+            all.extend(own.map(|own| Contribution {
                 is_end: true,
                 ..own
             }));
@@ -359,7 +359,7 @@ impl TimedPaths<'_> {
         &self,
         shared: &Shared,
         starts: usize,
-        all: &[Found],
+        all: &[Contribution],
         mut found: impl FnMut(usize, &Emission, [f64; 3], f64),
     ) {
         let Shared {
@@ -442,12 +442,12 @@ impl TimedPaths<'_> {
         &'a self,
         path: usize,
         start: &Start,
-        all: &mut Vec<Found<'a>>,
+        all: &mut Vec<Contribution<'a>>,
     ) -> Option<Vertex<'a>> {
         let hit = start.hit;
         let (from, d) = match start.seen {
-            Seen::From(from, d) => (from, d),
-            Seen::Diffuse => {
+            Viewpoint::From(from, d) => (from, d),
+            Viewpoint::Diffuse => {
                 all.extend(self.own(path, &hit, [1.0; 3], 0.0));
                 return self.first_diffuse(path, hit);
             }
@@ -466,7 +466,13 @@ impl TimedPaths<'_> {
     }
 
     /// The emission of a surface, hit by a path with this throughput and this delay.
-    fn own(&self, path: usize, hit: &Hit, carried: [f64; 3], delay: f64) -> Option<Found<'_>> {
+    fn own(
+        &self,
+        path: usize,
+        hit: &Hit,
+        carried: [f64; 3],
+        delay: f64,
+    ) -> Option<Contribution<'_>> {
         let patch = self.rest.patch(hit.triangle);
         if patch.black_back && !hit.front {
             return None;
@@ -484,7 +490,7 @@ impl TimedPaths<'_> {
             }
             _ => radiance,
         };
-        Some(Found {
+        Some(Contribution {
             path,
             emission,
             light: std::array::from_fn(|c| carried[c] * radiance[c]),
@@ -597,7 +603,7 @@ impl TimedPaths<'_> {
     }
 
     /// Adds the reflection of lamps at `vertices` to `all`.
-    fn light_up<'a>(&'a self, vertices: &[Vertex], all: &mut Vec<Found<'a>>) {
+    fn light_up<'a>(&'a self, vertices: &[Vertex], all: &mut Vec<Contribution<'a>>) {
         let mut candidates = Vec::new();
         for vertex in vertices {
             let lamps = vertex.lamps.iter();
@@ -614,7 +620,7 @@ impl TimedPaths<'_> {
         &'a self,
         vertices: &[Vertex],
         (samples, depth): (&[(u64, u32)], u32),
-        all: &mut Vec<Found<'a>>,
+        all: &mut Vec<Contribution<'a>>,
     ) {
         let Some(areas) = &self.light.areas else {
             return;
@@ -655,7 +661,7 @@ impl TimedPaths<'_> {
                 end: Some(draw.triangle),
             });
             segments.extend(way);
-            let found = Found {
+            let found = Contribution {
                 path: vertex.path,
                 emission: draw.emission,
                 light,
@@ -672,7 +678,7 @@ impl TimedPaths<'_> {
         &self,
         candidates: Vec<LightSample<'a>>,
         segments: &[Segment],
-        all: &mut Vec<Found<'a>>,
+        all: &mut Vec<Contribution<'a>>,
     ) {
         let mut blocked = vec![false; segments.len()];
         let bvh = &self.rest.bvh;
@@ -690,7 +696,7 @@ impl TimedPaths<'_> {
         &'a self,
         vertices: Vec<Vertex<'_>>,
         (samples, depth): (&[(u64, u32)], u32),
-        all: &mut Vec<Found<'a>>,
+        all: &mut Vec<Contribution<'a>>,
     ) -> Vec<Vertex<'a>> {
         let mut onward = Onward::default();
         for vertex in &vertices {
@@ -747,12 +753,12 @@ impl TimedPaths<'_> {
         &'a self,
         path_hit: &PathHit,
         leaving: &Leaving,
-        all: &mut Vec<Found<'a>>,
+        all: &mut Vec<Contribution<'a>>,
     ) -> Option<Vertex<'a>> {
         let (carried, delay) = (path_hit.carried, path_hit.delay);
         if let Some(own) = self.own(path_hit.path, &path_hit.hit, carried, delay) {
             let weight = self.weight_of_own(path_hit, leaving);
-            all.push(Found {
+            all.push(Contribution {
                 light: own.light.map(|c| weight * c),
                 ..own
             });
@@ -846,7 +852,7 @@ impl TimedPaths<'_> {
             skip: Some(vertex.hit.triangle),
             end: None,
         });
-        let found = Found {
+        let found = Contribution {
             path: vertex.path,
             emission: lamp.emission(),
             light: std::array::from_fn(|c| vertex.carried[c] * light[c]),

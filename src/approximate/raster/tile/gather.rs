@@ -3,7 +3,7 @@
 use super::setup::SIDE;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::approximate::raster::batch::{Batch, TileBatches};
-use crate::approximate::raster::cull::{Reach, whole};
+use crate::approximate::raster::cull::{ScreenBounds, whole};
 use crate::approximate::raster::vertices::Vertex;
 use crate::render::film::Tile;
 
@@ -197,7 +197,7 @@ pub(super) fn gather(
         let mut count = begin;
         for own in own.chunks(LOT) {
             for (at, piece) in own.iter().enumerate() {
-                let Reach(reach) = batch.pieces[*piece as usize].reach;
+                let ScreenBounds(reach) = batch.pieces[*piece as usize].reach;
                 for (to, bound) in lot.reach.iter_mut().zip(reach) {
                     to[at] = bound;
                 }

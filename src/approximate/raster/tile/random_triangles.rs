@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::gather::Pieces;
 use crate::approximate::raster::batch::{Batch, Bins, Grid, Piece, TileBatches};
-use crate::approximate::raster::cull::Reach;
+use crate::approximate::raster::cull::ScreenBounds;
 use crate::approximate::raster::vertices::Vertex;
 use crate::render::film::Tile;
 
@@ -47,7 +47,8 @@ impl RandomTriangles {
             let of = |axis: usize| points.map(|point| point[axis]);
             let least = |axis| of(axis).into_iter().fold(f64::INFINITY, f64::min) - 2e-5;
             let most = |axis| of(axis).into_iter().fold(0.0, f64::max) + 2e-5;
-            let reach = Reach([least(0), least(1), most(0), most(1)].map(|x| x.max(0.0) as f32));
+            let reach =
+                ScreenBounds([least(0), least(1), most(0), most(1)].map(|x| x.max(0.0) as f32));
             pieces.push(Piece {
                 corners: [0, 1, 2].map(|corner| 3 * k + corner),
                 slot: k,

@@ -1,4 +1,4 @@
-use super::super::cull::Reach;
+use super::super::cull::ScreenBounds;
 use super::*;
 use crate::accel::pages::Pages;
 use crate::accel::{Bvh, numbers};
@@ -83,7 +83,7 @@ fn triangles_smaller_than_a_pixel_are_left_out_if_they_contain_no_sample() {
         let is_inside =
             |[x, y]: &[f64; 2]| (left..=right).contains(x) && (top..=bottom).contains(y);
         let holds = points.iter().any(is_inside);
-        let reach = Reach([left, top, right, bottom].map(|x| x as f32));
+        let reach = ScreenBounds([left, top, right, bottom].map(|x| x as f32));
         assert_eq!(samples.miss(reach), !holds, "{reach:?}");
         counts[usize::from(holds)] += 1;
     }

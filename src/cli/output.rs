@@ -27,7 +27,8 @@ use nullray::render::tonemap;
 use nullray::scene::model::{Exposure, Mapping, Scene, Show, SourceKind};
 use sha2::{Digest, Sha256};
 
-use super::{caption, interrupt, say};
+use super::console::say;
+use super::{caption, interrupt};
 
 /// The channels needed to compute isochrones of `scene`.
 pub fn times_need(scene: &Scene) -> Vec<Aov> {

@@ -14,6 +14,7 @@ use nullray::{Error, Result};
 
 use super::args::PageArguments;
 use super::check::{Names, refuse_dangling};
+use super::console::say;
 use super::failure::refused;
 use super::film::in_pool;
 use super::frames::{self, Frames, Job, Shot};
@@ -21,7 +22,7 @@ use super::names::{numbered, stem};
 use super::output::Outputs;
 use super::progress::Bar;
 use super::reel::{self, Folder};
-use super::{builtin, inputs, interrupt, motion, say};
+use super::{builtin, inputs, interrupt, motion};
 
 /// Pixels per point in the diagrams of pixels.
 const PROBE_SCALE: f64 = 1.6;

@@ -11,9 +11,10 @@ use nullray::render::survey;
 use nullray::scene::model::{EmissionProfile, Light, LightKind, Source, SourceKind};
 
 use super::args::PlanArguments;
+use super::console::{print, print_json, warn, with_short_lines};
 use super::flags::with_flags;
 use super::progress::Bar;
-use super::{builtin, print, print_json, remarks, warn, with_short_lines};
+use super::{builtin, remarks};
 
 /// The largest cubes, bytes, that a plan reads to report whether light in view misses their times; `render` examines larger ones too.
 const LOOKED_INTO: u64 = 256 << 20;

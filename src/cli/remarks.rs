@@ -14,6 +14,7 @@ use nullray::scene::model::{
 };
 use nullray::spacetime::{Quantity, Velocity};
 
+use super::console::escaped;
 use super::flags::with_flags;
 
 /// The line about rays and times.
@@ -176,7 +177,7 @@ fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> String {
             "the light of \"{}\" reaches what is in view with {times} times its emitted wavelength: none of its spectrum is visible \
              there, and what is shown of it, if anything, is too dim for any eye, or extrapolated (see radiance.continuation and \
              display.false_colour)\n",
-            super::info::escaped(&scene.lights[light].name),
+            escaped(&scene.lights[light].name),
         )
     };
     unseen.into_iter().map(line).collect()
@@ -327,7 +328,7 @@ fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
         format!(
             "the spectrum of \"{}\" is seen at {} to {} times its wavelengths: none of it is visible there (see \
              display.false_colour)\n",
-            super::info::escaped(&object.name),
+            escaped(&object.name),
             short(low),
             short(high)
         )
@@ -363,8 +364,8 @@ pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
             .map_or("", |object| &object.name);
         format!(
             "lamp \"{}\" is inside \"{}\": it lights the outside only through openings\n",
-            super::info::escaped(&lamp.lamp),
-            super::info::escaped(object)
+            escaped(&lamp.lamp),
+            escaped(object)
         )
     };
     lamps.map(line).collect()
@@ -377,7 +378,7 @@ pub fn in_glass(scene: &Scene, prepared: &Prepared) -> String {
         format!(
             "the camera is inside the glass of \"{}\": from its surface to the camera light takes as long as outside, not longer by the \
              glass's index; place the camera outside for right times\n",
-            super::info::escaped(&object.name)
+            escaped(&object.name)
         )
     })
 }

@@ -12,6 +12,7 @@ use nullray::{Error, Result};
 
 use super::args::{FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
+use super::console::{print, say, warn};
 use super::failure::refused;
 use super::film::{Ready, check_one, finish, in_pool, one};
 use super::flash::{self, FlashFilm};
@@ -21,7 +22,7 @@ use super::output::{Kind, Outputs, extension};
 use super::progress::Bar;
 use super::reel::{self, Folder, Reel};
 use super::stats::Account;
-use super::{builtin, caption, exposure, inputs, panels, passes, print, say, warn};
+use super::{builtin, caption, exposure, inputs, panels, passes};
 
 /// The default film rate, pictures per second.
 pub const PLAY_FPS: f64 = 24.0;

@@ -18,12 +18,13 @@ use nullray::{Error, Result};
 
 use super::args::Changes;
 use super::check::check_all;
+use super::console::{escaped, say, warn};
 use super::failure::refused;
 use super::names::{check_places, numbered};
 use super::output::{Identity, Inputs, Kind, Outputs, Stamp, five_digits};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
-use super::{exposure, film, inputs, interrupt, overlay, remarks, say, warn};
+use super::{exposure, film, inputs, interrupt, overlay, remarks};
 
 pub use range::{Frames, Shot};
 
@@ -405,7 +406,7 @@ impl Sequence<'_> {
             if self.done.remark.is_empty() {
                 let times = self.prepared.as_mut().map(|p| {
                     let misfits = survey::misfits(scene, p).into_iter();
-                    let line = |text: String| format!("{}\n", super::info::escaped(&text));
+                    let line = |text: String| format!("{}\n", escaped(&text));
                     let others = remarks::other_times(scene, film, p);
                     others + &remarks::times(scene, p) + &misfits.map(line).collect::<String>()
                 });

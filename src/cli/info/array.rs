@@ -11,7 +11,8 @@ use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Map, Value, json};
 
-use super::{Info, MOST, escaped};
+use super::{Info, MOST};
+use crate::cli::console::escaped;
 
 pub fn info(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     match format.pictures {

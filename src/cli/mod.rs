@@ -31,6 +31,7 @@ mod page;
 mod panels;
 mod passes;
 mod plan;
+mod preview;
 mod progress;
 mod reel;
 mod reference;

@@ -17,7 +17,7 @@ use super::check::{Names, refuse_dangling};
 use super::console::say;
 use super::failure::refused;
 use super::film::in_pool;
-use super::frames::{self, Frames, Job, Shot};
+use super::frames::{self, Frames, Job, SharedExposure, Shot};
 use super::names::{numbered, stem};
 use super::output::Outputs;
 use super::progress::Bar;
@@ -95,7 +95,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
     };
     let job = Job {
         changes: &arguments.changes,
-        same_exposure: arguments.exposure.is_same(true),
+        shared_exposure: SharedExposure::at_speeds(arguments.exposure.is_same(), &frames),
         quiet,
         file,
         scene,

@@ -171,7 +171,7 @@ fn parts(
     }
     let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
     let exposure = &arguments.exposure;
-    let scenes = exposure.panels(file, whole, changes, threads, cubes)?;
+    let scenes = exposure.panels(file, whole, changes, threads, cubes, true)?;
     let part = |(panel, scene): (&Panel, Scene)| {
         let file = suffixed(beside, &panel.name);
         part(scene, panel, arguments, file)

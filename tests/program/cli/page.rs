@@ -176,3 +176,21 @@ fn a_page_with_diagrams_of_a_stereo_pair_is_refused_before_pictures_are_rendered
     assert!(run.message().contains("camera.stereo"), "{}", run.message());
     assert_eq!(folder.names(), ["scene.toml"]);
 }
+
+#[test]
+fn the_pictures_of_a_page_share_one_exposure() {
+    let folder = Folder::new();
+    let page = ["page", "scene.toml", "--steps", "3", "--no-diagram", "-o"];
+    let said = folder.ok(&[&page[..], &["a"]].concat());
+    assert!(
+        said.contains("one exposure for all frames: by the logarithm of radiance"),
+        "{said}"
+    );
+    let said = folder.ok(&[&page[..], &["b", "--beta", "0.1"]].concat());
+    assert!(
+        said.contains("one exposure for all frames: white is radiance"),
+        "{said}"
+    );
+    let said = folder.ok(&[&page[..], &["c", "--own-exposure"]].concat());
+    assert!(!said.contains("one exposure"), "{said}");
+}

@@ -38,14 +38,27 @@ pub fn blackness(
     is_shifted: bool,
     prepared: Option<&Prepared>,
 ) -> String {
+    let why = why_black(scene, film, is_shifted, prepared);
+    why.map_or(String::new(), |why| {
+        format!("the picture is black: {why}\n")
+    })
+}
+
+/// The same without what it explains; `None` for a picture that is not black.
+fn why_black(
+    scene: &Scene,
+    film: &Film,
+    is_shifted: bool,
+    prepared: Option<&Prepared>,
+) -> Option<String> {
     if !is_black(film) {
-        return String::new();
+        return None;
     }
     let is_sky_black = prepared.is_some_and(|p| match &p.background {
         Background::Sky { sky, .. } => sky.has_black_picture(),
         Background::Observed(_) => false,
     });
-    let why = if film.met() == 0.0 && is_sky_black {
+    Some(if film.met() == 0.0 && is_sky_black {
         "only the sky is in view, and its image is black: all its numbers are 0, or its `scale` is"
             .into()
     } else if film.met() == 0.0 && scene.sky.is_some() {
@@ -67,8 +80,37 @@ pub fn blackness(
     } else {
         let missing = film.mean_coverage().and_then(missing);
         missing.unwrap_or_else(|| unlit(scene, is_sky_black)).into()
+    })
+}
+
+/// The remarks before rendering, one a line, from `film`: a small picture of `scene`, with one ray in each pixel. `is_shifted`: it is
+/// known already that all light is shifted out of sight.
+pub fn foreseen(
+    scene: &Scene,
+    film: &Film,
+    is_shifted: bool,
+    prepared: &mut Prepared,
+) -> Vec<String> {
+    let rays = plan::count(film.size().map(u64::from).iter().product());
+    let shift = match (is_shifted, is_black(film)) {
+        (true, _) => String::new(),
+        (false, true) => shift(scene, prepared),
+        (false, false) => shifted(scene, prepared),
     };
-    format!("the picture is black: {why}\n")
+    let is_shifted = is_shifted || !shift.is_empty();
+    let mut text = String::new();
+    if let Some(why) = why_black(scene, film, is_shifted, Some(prepared)) {
+        text = format!("of {rays} rays, none sees any light: {why}\n");
+    } else if sees_only_sky(scene, film) {
+        text = format!(
+            "of {rays} rays, all see only the sky: {}\n",
+            nothing_met(scene)
+        );
+    }
+    text += &other_times(scene, film, prepared);
+    text += &enclosed(scene, prepared);
+    text += &shift;
+    text.lines().map(str::to_owned).collect()
 }
 
 /// Whether all light of surfaces is of cubes.
@@ -85,11 +127,15 @@ fn reflects_rgb(scene: &Scene) -> bool {
 
 /// A remark if only the sky is in view of a scene that has objects; empty otherwise, and if the picture is black.
 pub fn only_sky(scene: &Scene, film: &Film) -> String {
-    let is_alone = film.met() == 0.0 && scene.sky.is_some() && !scene.objects.is_empty();
-    match is_alone && !is_black(film) {
+    match sees_only_sky(scene, film) && !is_black(film) {
         true => format!("only the sky is in view: {}\n", nothing_met(scene)),
         false => String::new(),
     }
+}
+
+/// Whether the sky is all that is in view of a scene that has objects.
+fn sees_only_sky(scene: &Scene, film: &Film) -> bool {
+    film.met() == 0.0 && scene.sky.is_some() && !scene.objects.is_empty()
 }
 
 /// The remark that no object is visible, with advice.

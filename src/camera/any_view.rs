@@ -14,13 +14,13 @@ use crate::scene::model::{Assembly, CameraModel, Equations, Motion, Scene};
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum ViewKind {
-    /// A point at rest in the world: no boost.
+    /// A point at rest in the world: no boost. Parts of the film of such a point, as of the next two, may see nothing.
     Still,
     /// A moving point: directions are boosted.
     Moving,
     /// A moving point with aberration turned off.
     Unaberrated,
-    /// A sensor, a shutter or a picture smaller than the film, without acceleration.
+    /// A sensor or a shutter, without acceleration.
     Inertial,
     /// A sensor or a shutter on a world line.
     Accelerated,
@@ -57,6 +57,11 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// Whether parts of the film see nothing: corners outside a fisheye's image circle, or what is beyond the poles of a panorama.
+    pub fn has_blind_points(&self) -> bool {
+        self.shot.projection.has_blind_points()
+    }
+
     /// The camera of `scene`.
     ///
     /// # Errors
@@ -136,7 +141,7 @@ impl AnyView {
         }
     }
 
-    /// The view of a camera whose rays all leave one event; `None` for others.
+    /// The view of a camera whose rays all leave one event, and whose whole film sees something; `None` for others.
     pub fn point(&self) -> Option<Point<'_>> {
         match self {
             AnyView::Still(view) => Some(Point::Still(view)),
@@ -150,12 +155,17 @@ impl AnyView {
         }
     }
 
-    /// The kind of view.
+    /// The kind of view: what the camera is, whether or not its whole film sees something.
     pub fn kind(&self) -> ViewKind {
         match self {
             AnyView::Still(_) => ViewKind::Still,
             AnyView::Moving(_) => ViewKind::Moving,
             AnyView::Unaberrated(_) => ViewKind::Unaberrated,
+            AnyView::Inertial(view) if view.is_point() => match (view.rests(), view.aberration()) {
+                (true, _) => ViewKind::Still,
+                (false, true) => ViewKind::Moving,
+                (false, false) => ViewKind::Unaberrated,
+            },
             AnyView::Inertial(_) => ViewKind::Inertial,
             AnyView::Accelerated(_) => ViewKind::Accelerated,
             AnyView::Turning(_) => ViewKind::Turning,

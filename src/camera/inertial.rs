@@ -27,7 +27,7 @@ use crate::accel::vectors::{BLOCK, Block};
 use crate::scene::model::{CameraModel, Records};
 use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, World};
 
-/// A camera without acceleration, with a sensor, a shutter, or both.
+/// A camera without acceleration that has a sensor, a shutter, or both, or film points that see nothing.
 #[derive(Debug)]
 pub struct Inertial {
     film: AnyProjection,
@@ -96,6 +96,23 @@ impl Inertial {
             exposure: ExposureTime::of(model),
             aberration,
         }
+    }
+}
+
+impl Inertial {
+    /// Whether all rays leave one event: with neither a sensor nor a shutter.
+    pub(super) fn is_point(&self) -> bool {
+        self.focal_length == 0.0 && self.exposure.duration == 0.0
+    }
+
+    /// Whether the camera rests in the world.
+    pub(super) fn rests(&self) -> bool {
+        self.four_velocity.x == DVec3::ZERO
+    }
+
+    /// Whether directions are boosted.
+    pub(super) fn aberration(&self) -> bool {
+        self.aberration
     }
 }
 

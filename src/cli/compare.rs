@@ -18,10 +18,11 @@ use serde::Serialize;
 
 use super::args::CompareArguments;
 use super::check::Names;
+use super::console::{complain, print_json, say};
 use super::failure::{Done, refused};
 use super::film::in_pool;
 use super::output::extension;
-use super::{builtin, flags, inputs, interrupt, print_json, say};
+use super::{builtin, flags, inputs, interrupt};
 
 /// Compares, writes the outputs, and returns whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
@@ -58,7 +59,7 @@ fn run_here(arguments: &CompareArguments) -> Result<Done> {
     }
     write(arguments, &comparison, &breaches, [&reference, &candidate])?;
     for breach in &breaches {
-        super::complain(&format!("not within tolerance: {breach}\n"));
+        complain(&format!("not within tolerance: {breach}\n"));
     }
     Ok(match breaches.is_empty() {
         true => Done::Well,

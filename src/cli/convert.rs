@@ -13,11 +13,11 @@ use nullray::{Error, Result};
 
 use super::args::{ConvertArguments, SampleType};
 use super::check::Names;
+use super::console::{faint, print, warn};
 use super::failure::refused;
 use super::output::extension;
 use super::progress::Bar;
 use super::times::Times;
-use super::{faint, print, warn};
 
 pub fn run(arguments: &ConvertArguments) -> Result<()> {
     let wanted = Wanted {

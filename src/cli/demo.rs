@@ -10,8 +10,9 @@ use nullray::scene::Overrides;
 use nullray::{Error, Result};
 
 use super::builtin::{self, TEXT};
+use super::console::print;
 use super::output::Outputs;
-use super::{film, interrupt, print};
+use super::{film, interrupt};
 use nullray::render::prepare::LoadedCubes;
 
 const DIRECTORY: &str = "nullray-out";

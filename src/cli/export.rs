@@ -6,9 +6,10 @@ use nullray::scene::model::Scene;
 use nullray::validate::export::{self, Cubes, ExportOptions, Exported};
 
 use super::args::{CubesArgument, ExportArguments};
+use super::console::{print, warn};
 use super::failure::refused;
 use super::progress::Bar;
-use super::{film, inputs, interrupt, memory, print, warn};
+use super::{film, inputs, interrupt, memory};
 
 pub fn run(arguments: &ExportArguments) -> Result<()> {
     let scene = arguments.scene.load()?;

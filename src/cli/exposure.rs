@@ -1,77 +1,106 @@
 //! One exposure for several pictures.
 //!
-//! For panels it is a percentile over small previews of all of them. For a film it is a percentile over previews of its middle third: a few
+//! For panels, and for one place at many speeds, it is a percentile over small previews of all of them; if that of one is over 30 times
+//! that of another, the pictures share a logarithmic scale. For another film it is a percentile over previews of its middle third: a few
 //! very bright pictures at its ends, for instance when a camera has become fast, would leave all others black. It is at least a hundredth
 //! of the percentile over all pictures, so that none is too far above white if the middle is dark.
 
 use glam::DVec3;
 use nullray::Result;
-use nullray::render;
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
-use nullray::render::plan::{Plan, Request};
+use nullray::render::plan::Request;
 use nullray::render::prepare::{LoadedCubes, Prepared};
-use nullray::render::progress::Silent;
 use nullray::render::tonemap;
 use nullray::scene::model::{Exposure, Scene};
 
-use super::interrupt;
+use super::preview::Preview;
 
 /// The most columns and rows of a preview.
-const PREVIEW: u32 = 128;
+const MOST: u32 = 128;
 /// The smallest `display.white` of scenes.
 const DARKEST_WHITE: f64 = 1e-30;
 /// How many times brighter than white the brightest picture may be so that those in the middle are well exposed.
 const MOST_BEYOND: f64 = 100.0;
 
-/// The white radiance of all panels; `None` if the scenes set it themselves.
-///
-/// The percentile is that of the first scene.
+/// The exposure of all of `scenes`, with this `percentile`.
 pub fn of_panels(
-    scenes: &[Scene],
+    scenes: &[&Scene],
+    percentile: Exposure,
     request: &Request,
     cubes: &mut LoadedCubes,
-) -> Result<Option<f64>> {
-    let Some(exposure) = percentile(scenes) else {
-        return Ok(None);
-    };
+) -> Result<Exposure> {
     let mut previews = Vec::new();
     for scene in scenes {
-        let preview = Preview::new(scene, request, Vec::new())?;
-        previews.extend_from_slice(preview.alone(cubes)?.radiance());
+        let preview = Preview::new(scene, request, Vec::new(), MOST)?;
+        previews.push(preview.alone(cubes)?.radiance().to_vec());
     }
-    tonemap::white(&previews, exposure).map(Some)
+    for_all(&previews, percentile)
 }
 
-/// The white radiance of all pictures of a film, from a selection of them in order, `scenes`, with the `percentile` of the first. They are
+/// The exposure of one place at many speeds, from a selection of its pictures, `scenes`, which differ as for [`of_film`].
+pub fn of_speeds(
+    scenes: &[Scene],
+    percentile: Exposure,
+    request: &Request,
+    prepared: &mut Prepared,
+) -> Result<Exposure> {
+    for_all(&previews(scenes, request, prepared)?, percentile)
+}
+
+/// The exposure that shows all `pictures`: white is the percentile over all, or on a logarithmic scale that of the brightest.
+fn for_all(pictures: &[Vec<[f64; 3]>], percentile: Exposure) -> Result<Exposure> {
+    let lit = pictures.iter().filter(|picture| picture.iter().any(is_lit));
+    let whites = lit.map(|picture| tonemap::white(picture, percentile));
+    let whites = whites.collect::<Result<Vec<f64>>>()?;
+    let brightest = whites.iter().copied().fold(0.0, f64::max);
+    let darkest = whites.iter().copied().fold(f64::INFINITY, f64::min);
+    let black = Exposure::white_over_black(brightest / darkest).map(|ratio| brightest / ratio);
+    Ok(match black {
+        Some(black) if black > 0.0 => Exposure::Logarithmic([black, brightest]),
+        _ => Exposure::White(tonemap::white(&pictures.concat(), percentile)?),
+    })
+}
+
+/// The exposure of all pictures of a film, from a selection of them in order, `scenes`, with the `percentile` of the first. They are
 /// taken of `prepared`, from which they differ only in what [`Prepared::retake`] allows.
 pub fn of_film(
     scenes: &[Scene],
     percentile: Exposure,
     request: &Request,
     prepared: &mut Prepared,
-) -> Result<f64> {
-    let pixels = |scene| {
-        let preview = Preview::new(scene, request, Vec::new())?;
-        Ok(preview.of(prepared)?.radiance().to_vec())
-    };
-    let previews: Result<Vec<_>> = scenes.iter().map(pixels).collect();
-    let mut previews = previews?;
+) -> Result<Exposure> {
+    let mut previews = previews(scenes, request, prepared)?;
     let all = tonemap::white(&previews.concat(), percentile)?;
     let aside = previews.len() / 3;
     let middle = previews.drain(aside..previews.len() - aside);
     let middle: Vec<[f64; 3]> = middle.flatten().collect();
-    let is_lit = |pixel: &[f64; 3]| pixel.iter().any(|c| *c > 0.0 && c.is_finite());
-    Ok(match middle.iter().any(is_lit) {
+    Ok(Exposure::White(match middle.iter().any(is_lit) {
         true => tonemap::white(&middle, percentile)?.max(all / MOST_BEYOND),
         false => all,
-    })
+    }))
 }
 
-/// The percentile of the first scene, if it has one; `None` if the scenes set the white radiance themselves.
-pub fn percentile(scenes: &[Scene]) -> Option<Exposure> {
-    let first = scenes.first().map(|scene| scene.exposure);
-    first.filter(|exposure| matches!(exposure, Exposure::Percentile(_)))
+/// The pixels of small pictures of `scenes`, taken of `prepared`.
+fn previews(
+    scenes: &[Scene],
+    request: &Request,
+    prepared: &mut Prepared,
+) -> Result<Vec<Vec<[f64; 3]>>> {
+    let pixels = |scene| {
+        let preview = Preview::new(scene, request, Vec::new(), MOST)?;
+        Ok(preview.of(prepared)?.radiance().to_vec())
+    };
+    scenes.iter().map(pixels).collect()
+}
+
+fn is_lit(pixel: &[f64; 3]) -> bool {
+    pixel.iter().any(|c| *c > 0.0 && c.is_finite())
+}
+
+/// The percentile by which `scene` is exposed; `None` if it sets its radiances itself.
+pub fn percentile(scene: &Scene) -> Option<Exposure> {
+    Some(scene.exposure).filter(|exposure| matches!(exposure, Exposure::Percentile(_)))
 }
 
 /// The white radiance that exposes for the surfaces of `scenes`, whatever the sky is like: the 99th percentile of their brightest channel
@@ -94,7 +123,7 @@ pub fn of_surfaces(
     let mut own: Option<Prepared> = None;
     let [mut seen, mut lit]: [Vec<[f64; 3]>; 2] = Default::default();
     for scene in scenes {
-        let preview = Preview::new(scene, &request, vec![Aov::Alpha])?;
+        let preview = Preview::new(scene, &request, vec![Aov::Alpha], MOST)?;
         let prepared = match (&mut prepared, &mut own) {
             (Some(prepared), _) => &mut **prepared,
             (None, Some(own)) => own,
@@ -105,7 +134,7 @@ pub fn of_surfaces(
             let reflected = on_surfaces(&preview.of(prepared)?);
             let both = pixels.iter().zip(&reflected);
             lit.extend(
-                both.filter(|(all, part)| is_lit(all, part))
+                both.filter(|(all, part)| is_reflecting(all, part))
                     .map(|(all, _)| *all),
             );
         }
@@ -134,7 +163,7 @@ fn on_surfaces(film: &Film) -> Vec<[f64; 3]> {
 }
 
 /// Whether at least half of the light of a pixel, `all`, is `reflected`.
-fn is_lit(all: &[f64; 3], reflected: &[f64; 3]) -> bool {
+fn is_reflecting(all: &[f64; 3], reflected: &[f64; 3]) -> bool {
     let sum = |pixel: &[f64; 3]| pixel.iter().sum::<f64>();
     2.0 * sum(reflected) >= sum(all)
 }
@@ -147,7 +176,7 @@ fn is_dark(pixel: &[f64; 3]) -> bool {
 /// surface is in view.
 pub fn median_distance(scene: &Scene, request: &Request) -> Result<Option<f64>> {
     let places = [Aov::EventX, Aov::EventY, Aov::EventZ];
-    let preview = Preview::new(scene, request, places.to_vec())?;
+    let preview = Preview::new(scene, request, places.to_vec(), MOST)?;
     let film = preview.alone(&mut LoadedCubes::default())?;
     let [x, y, z] = places.map(|aov| film.aov(aov).unwrap_or_default());
     let eye = scene.camera.origin.x;
@@ -157,44 +186,4 @@ pub fn median_distance(scene: &Scene, request: &Request) -> Result<Option<f64>> 
         .collect();
     distances.sort_by(f64::total_cmp);
     Ok(distances.get(distances.len() / 2).copied())
-}
-
-/// A small picture with one ray through the centre of each pixel.
-struct Preview {
-    scene: Scene,
-    plan: Plan,
-}
-
-impl Preview {
-    fn new(scene: &Scene, request: &Request, aovs: Vec<Aov>) -> Result<Preview> {
-        let mut scene = scene.clone();
-        let [width, height] = scene.camera.size;
-        let step = width.max(height).div_ceil(PREVIEW);
-        scene.camera.size = [width.div_ceil(step), height.div_ceil(step)];
-        let request = Request {
-            aovs,
-            pixel_centers: true,
-            ..request.clone()
-        };
-        let plan = Plan::new(&scene, &request)?;
-        Ok(Preview { scene, plan })
-    }
-
-    /// Its scene, prepared for it alone.
-    fn prepared(&self, cubes: &mut LoadedCubes) -> Result<Prepared> {
-        interrupt::check()?;
-        Prepared::sharing(&self.scene, &self.plan, cubes, &Silent)
-    }
-
-    /// The picture, from a scene that was prepared for this camera or another.
-    fn of(&self, prepared: &mut Prepared) -> Result<Film> {
-        interrupt::check()?;
-        prepared.retake_on_film(&self.scene, &self.plan)?;
-        render::render(prepared, &Silent)
-    }
-
-    /// The picture, from a scene that is loaded for it.
-    fn alone(&self, cubes: &mut LoadedCubes) -> Result<Film> {
-        self.of(&mut self.prepared(cubes)?)
-    }
 }

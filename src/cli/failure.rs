@@ -16,8 +16,9 @@ use std::sync::{Mutex, PoisonError};
 use clap::error::{ContextKind, ContextValue};
 use nullray::{Error, Result};
 
+use super::console::{complain, complain_styled, harmless};
 use super::flags;
-use super::{complain, complain_styled, harmless, interrupt};
+use super::interrupt;
 
 const OUT_OF_BOUNDS: u8 = 1;
 const FAILED: u8 = 2;

@@ -12,10 +12,11 @@ use nullray::scene::model::Scene;
 use nullray::{Error, Result, render};
 
 use super::check::check_all;
+use super::console::{say, warn};
 use super::output::{Kind, Outputs, times_need};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
-use super::{inputs, interrupt, overlay, remarks, say, warn};
+use super::{inputs, interrupt, overlay, remarks};
 
 /// The preparation of one scene. Refuses everything that can be refused before anything heavy is loaded.
 pub fn check_one(scene: &Scene, request: &Request, outputs: &Outputs) -> Result<Plan> {

@@ -12,9 +12,10 @@ use toml_edit::Value;
 use super::args::{BakeArguments, Changes, RenderArguments, WorkArguments};
 use super::bake::goal::Goal;
 use super::bake::{Bake, check_effects, surfaces};
+use super::console::warn;
 use super::failure::refused;
 use super::names::{named_after, stem};
-use super::{builtin, exposure, reel, warn};
+use super::{builtin, exposure, reel};
 
 /// Samples per texel: on the models of scenes/ the standard error of a bin is a few percent of the root mean square of all bins.
 const SAMPLES: u32 = 512;

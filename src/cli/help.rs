@@ -56,10 +56,10 @@ Examples:
 
 An .apng plays in every browser. A .y4m is 8-bit YCbCr 4:4:4 by BT.709 in the limited range, for any encoder. The finished \
 pictures of a film are kept in FILE.frames until it is complete: to resume after an interruption, run the same command again. \
-All pictures share one exposure, except with --speeds, where each has its own. It is that of the film's middle third: the scene's \
-percentile over small previews, so that a few bright pictures at an end do not leave the others black. The scene's display.white \
-holds for its own camera, with \
---light; --white R sets that of any film, and --set \"display.logarithmic=[1e-6,1e4]\" shows any speeds on one scale.
+All pictures share one exposure (--own-exposure gives each its own). It is that of the film's middle third: the scene's \
+percentile over small previews, so that a few bright pictures at an end do not leave the others black. With --speeds it is that of \
+all pictures, on a logarithmic scale if their own exposures differ by more than a factor of 30. The scene's display.white holds for its own camera, with \
+--light; --white R and --set \"display.logarithmic=[1e-6,1e4]\" set the scale of any film.
 
 --time is a time of the scene's own camera, by its clock. --flyby passes the place where that camera is then, at that moment; \
 --accelerate and --speeds begin there. --light has --from and --to instead.";
@@ -221,7 +221,7 @@ sequence. Frames whose files are already complete, from the same version, scene 
 resume after an interruption, run the same command again.
 
 Films: -o FILE.apng (animated PNG) or FILE.y4m (raw video: 8-bit YCbCr 4:4:4, BT.709, limited range; - for standard output) joins \
-the frames of a sequence, --play-fps of them a second. Standard output gets picture by picture, and no messages; warnings go to standard error. Unless -o also \
+the frames of a sequence, --play-fps of them a second. With `-o -`, pictures go to standard output as they are rendered; messages go to standard error. Unless -o also \
 names a .png, the frames of a file are kept in FILE.frames until the film is complete, so that it can be resumed.
 
 Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name added before the \

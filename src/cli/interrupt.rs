@@ -14,7 +14,7 @@ use nix::sys::signal::{SigSet, Signal};
 use nullray::io::temporary;
 use nullray::{Error, Result};
 
-use super::{complain, complain_styled};
+use super::console::{complain, complain_styled};
 
 /// The exit code, as shells have it: 128 + SIGINT.
 pub const CODE: u8 = 130;

@@ -13,11 +13,11 @@ use nullray::{Error, Result};
 
 use super::args::{DepthKind, MeshFromDepthArguments};
 use super::check::Names;
+use super::console::{print, warn};
 use super::failure::refused;
 use super::names::named_after;
 use super::output::extension;
 use super::times::Times;
-use super::{print, warn};
 
 /// The default fractions: of a pixel's highest value, above which its first maximum counts; and of the brightest pixel, below which a pixel
 /// is in shadow.

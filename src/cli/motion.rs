@@ -39,7 +39,7 @@ use nullray::{Error, Result};
 use super::args::{Beside, FilmArguments, MotionArguments};
 use super::failure::refused;
 use super::film::in_pool;
-use super::frames::{self, Frames, Job, Shot};
+use super::frames::{self, Frames, Job, SharedExposure, Shot};
 use super::names::{named_after, numbered};
 use super::output::Outputs;
 use super::reel::{self, Folder, Reel};
@@ -89,7 +89,7 @@ struct Take {
     captions: Vec<String>,
 }
 
-/// The takes of a film, the moving one first.
+/// The takes of a film, the moving one last.
 fn takes(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<Take>> {
     let pictures = arguments.pictures;
     let request = arguments.changes.request(arguments.work.threads.count);
@@ -453,6 +453,9 @@ fn film(
     let mut stream = reel.stream(arguments.output.len() == 1);
     // Pictures of all takes are first written to the folder; existing ones are not rendered again.
     let mut fingerprints: Vec<Vec<String>> = Vec::new();
+    let is_same = arguments.exposure.is_same();
+    // The same for what rests beside it, so that they can be compared.
+    let moving = takes.last().map(|take| &take.frames);
     for take in takes {
         let outputs = Outputs {
             images: vec![folder.pattern(take.name)],
@@ -460,10 +463,11 @@ fn film(
         };
         let job = Job {
             changes: &arguments.changes,
-            // With the searchlight effect, one place at many speeds is too dark or too bright for one exposure.
-            same_exposure: arguments
-                .exposure
-                .is_same(arguments.motion.speeds.is_none()),
+            shared_exposure: match arguments.motion.speeds {
+                Some(_) => SharedExposure::at_speeds(is_same, moving.unwrap_or(&take.frames)),
+                None if is_same => SharedExposure::OfMiddle,
+                None => SharedExposure::None,
+            },
             quiet: arguments.work.quiet.on,
             file,
             scene,

@@ -5,6 +5,7 @@
 //! preceded by its length. That of unfinished sums is SHA-256 (samples, kind of work), with samples = SHA-256 (version, scene without names
 //! and display, channels, sampling, content of every input file).
 
+use std::fmt;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -27,7 +28,8 @@ use nullray::render::tonemap;
 use nullray::scene::model::{Exposure, Mapping, Scene, Show, SourceKind};
 use sha2::{Digest, Sha256};
 
-use super::{caption, interrupt, say};
+use super::console::say;
+use super::{caption, interrupt};
 
 /// The channels needed to compute isochrones of `scene`.
 pub fn times_need(scene: &Scene) -> Vec<Aov> {
@@ -297,7 +299,7 @@ impl Outputs {
                 None => deep,
             };
             image::png::write_16(path, w, h, &rgb, &metadata)?;
-            return Ok(ends.note());
+            return Ok(format!(" ({ends})"));
         }
         let Picture { mut image, ends } = picture(scene, film, show, self.step)?;
         metadata.extend(ends.iter().flat_map(Ends::metadata));
@@ -306,7 +308,7 @@ impl Outputs {
         }
         image::png::write(path, image.width, image.height, &image.rgb, &metadata)?;
         Ok(match (show, ends) {
-            (_, Some(ends)) => ends.note(),
+            (_, Some(ends)) => format!(" ({ends})"),
             (Show::Luminance, _) => " (luminance)".into(),
             _ if scene.flash_times.is_some() => " (times of the flash)".into(),
             _ => " (retarded time)".into(),
@@ -413,13 +415,25 @@ impl Ends {
         }
     }
 
-    /// The note about them beside the file's name.
-    fn note(&self) -> String {
+    /// Those of `exposure`, if it has any before a picture is measured.
+    pub fn of(exposure: Exposure) -> Option<Self> {
+        let (white, black) = match exposure {
+            Exposure::White(white) => (white, None),
+            Exposure::Logarithmic([black, white]) => (white, Some(black)),
+            _ => return None,
+        };
+        Some(Ends { white, black })
+    }
+}
+
+impl fmt::Display for Ends {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let white = five_digits(self.white);
         match self.black {
-            None => format!(" (white is radiance {white})"),
-            Some(black) => format!(
-                " (by the logarithm of radiance, from {} to {white})",
+            None => write!(f, "white is radiance {white}"),
+            Some(black) => write!(
+                f,
+                "by the logarithm of radiance, from {} to {white}",
                 five_digits(black)
             ),
         }

@@ -9,9 +9,10 @@ use nullray::render::metadata::metadata;
 use nullray::render::prepare::Prepared;
 use nullray::scene::model::{Scene, Show};
 
+use super::console::say;
+use super::interrupt;
 use super::output::{Identity, Outputs, encoded, extension, picture};
 use super::progress::Bar;
-use super::{interrupt, say};
 
 /// Refuses overlays unless there is exactly one picture.
 pub fn check(outputs: &Outputs, scene: &Scene) -> Result<()> {

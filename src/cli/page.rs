@@ -14,14 +14,15 @@ use nullray::{Error, Result};
 
 use super::args::PageArguments;
 use super::check::{Names, refuse_dangling};
+use super::console::say;
 use super::failure::refused;
 use super::film::in_pool;
-use super::frames::{self, Frames, Job, Shot};
+use super::frames::{self, Frames, Job, SharedExposure, Shot};
 use super::names::{numbered, stem};
 use super::output::Outputs;
 use super::progress::Bar;
 use super::reel::{self, Folder};
-use super::{builtin, inputs, interrupt, motion, say};
+use super::{builtin, inputs, interrupt, motion};
 
 /// Pixels per point in the diagrams of pixels.
 const PROBE_SCALE: f64 = 1.6;
@@ -57,8 +58,11 @@ pub fn run(arguments: &PageArguments) -> Result<()> {
     made
 }
 
-/// Refuses to overwrite an input of the page.
+/// Refuses to overwrite an input of the page, and diagrams of pixels that a camera does not have.
 fn check(arguments: &PageArguments, scene: &Scene, option: &str, path: &Path) -> Result<()> {
+    if arguments.grid.is_some() {
+        pixel_probe::check(scene)?;
+    }
     let plan = Plan::new(
         scene,
         &arguments.changes.request(arguments.work.threads.count),
@@ -82,6 +86,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
     let frames = Frames::of_shots(shots.clone());
     // Before pictures are rendered: a diagram that cannot be drawn is refused early.
     let diagrams = diagrams(arguments, file, &still, &times)?;
+    let probes = probes(arguments, scene, &shots)?;
     let folder = Folder::of(&[path.to_path_buf()])?;
     let pattern = folder.pattern("page");
     let outputs = Outputs {
@@ -90,7 +95,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
     };
     let job = Job {
         changes: &arguments.changes,
-        same_exposure: arguments.exposure.is_same(true),
+        shared_exposure: SharedExposure::at_speeds(arguments.exposure.is_same(), &frames),
         quiet,
         file,
         scene,
@@ -122,7 +127,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
         size: scene.camera.size,
         pictures: pictures.collect::<Result<_>>()?,
         grid: arguments.grid.unwrap_or_default(),
-        probes: probes(arguments, scene, &shots)?,
+        probes,
     };
     let html = page::html(&page)?;
     let megabytes = html.len() as f64 / 1e6;

@@ -5,7 +5,7 @@ use std::path::Path;
 use nullray::Result;
 use nullray::render::plan::Request;
 use nullray::render::prepare::LoadedCubes;
-use nullray::scene::model::{Exposure, Panel, Scene};
+use nullray::scene::model::{Panel, Scene, Show};
 use nullray::scene::{Overrides, SceneFile};
 
 use super::failure::refused;
@@ -74,17 +74,27 @@ pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Resul
         .collect()
 }
 
-/// Gives all panels one exposure, unless they set the white radiance themselves.
+/// Gives the panels of `whole` that show brightness one exposure, except those that set their own, and all if the scene does.
 pub fn same_exposure(
+    whole: &Scene,
     scenes: &mut [Scene],
     request: &Request,
     cubes: &mut LoadedCubes,
 ) -> Result<()> {
-    if let Some(white) = exposure::of_panels(scenes, request, cubes)? {
-        let exposure = Exposure::White(white);
-        scenes
-            .iter_mut()
-            .for_each(|scene| scene.exposure = exposure);
+    let Some(percentile) = exposure::percentile(whole) else {
+        return Ok(());
+    };
+    let panels = whole.panels.iter().zip(scenes);
+    let mut alike: Vec<&mut Scene> = panels
+        .filter(|(panel, scene)| panel.show == Show::Picture && scene.exposure == percentile)
+        .map(|(_, scene)| scene)
+        .collect();
+    // One picture is exposed by itself.
+    if alike.len() < 2 {
+        return Ok(());
     }
+    let measured: Vec<&Scene> = alike.iter().map(|scene| &**scene).collect();
+    let exposure = exposure::of_panels(&measured, percentile, request, cubes)?;
+    alike.iter_mut().for_each(|scene| scene.exposure = exposure);
     Ok(())
 }

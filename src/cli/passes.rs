@@ -15,11 +15,12 @@ use nullray::{Error, Result};
 
 use super::args::PassArguments;
 use super::check::{check_all, check_beside};
+use super::console::{say, warn};
 use super::film::{Rendered, times};
 use super::frames::existing;
 use super::output::{Identity, Inputs, Outputs, Samples};
 use super::progress::Bar;
-use super::{inputs, interrupt, overlay, remarks, say, warn};
+use super::{inputs, interrupt, overlay, remarks};
 
 /// Files are written again after this many times the duration of writing them, and after this many seconds.
 const WRITING_SHARE: f64 = 10.0;

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use nullray::render::progress::Progress;
 
+use super::console::harmless;
 use super::interrupt;
 
 /// Writes the number of `unit`s done per second, averaged over the whole time: the latest steps alone say nothing about pictures that take
@@ -76,8 +77,7 @@ impl Bar {
 
     /// The same, with the name of its subject in front.
     pub fn named(self, what: String) -> Self {
-        self.0
-            .set_prefix(super::harmless(&(what + "  ")).into_owned());
+        self.0.set_prefix(harmless(&(what + "  ")).into_owned());
         self
     }
 

@@ -18,9 +18,10 @@ use nullray::{Error, Result};
 use tempfile::TempDir;
 
 use super::check::{Names, by_ffmpeg, unknown_format};
+use super::console::{keep_for_film, say};
 use super::failure::refused;
 use super::output::{Identity, extension};
-use super::{inputs, interrupt, keep_for_film, memory, say};
+use super::{inputs, interrupt, memory};
 
 /// The name of a film that goes to standard output.
 const PIPE: &str = "-";

@@ -7,7 +7,7 @@ use nullray::io::image::write_atomically;
 use nullray::{Error, Result};
 
 use super::args::Arguments;
-use super::print;
+use super::console::print;
 
 /// The scene file's JSON schema.
 pub fn schema() -> Result<()> {

@@ -14,6 +14,7 @@ use nullray::scene::model::{
 };
 use nullray::spacetime::{Quantity, Velocity};
 
+use super::console::escaped;
 use super::flags::with_flags;
 
 /// The line about rays and times.
@@ -37,14 +38,27 @@ pub fn blackness(
     is_shifted: bool,
     prepared: Option<&Prepared>,
 ) -> String {
+    let why = why_black(scene, film, is_shifted, prepared);
+    why.map_or(String::new(), |why| {
+        format!("the picture is black: {why}\n")
+    })
+}
+
+/// The same without what it explains; `None` for a picture that is not black.
+fn why_black(
+    scene: &Scene,
+    film: &Film,
+    is_shifted: bool,
+    prepared: Option<&Prepared>,
+) -> Option<String> {
     if !is_black(film) {
-        return String::new();
+        return None;
     }
     let is_sky_black = prepared.is_some_and(|p| match &p.background {
         Background::Sky { sky, .. } => sky.has_black_picture(),
         Background::Observed(_) => false,
     });
-    let why = if film.met() == 0.0 && is_sky_black {
+    Some(if film.met() == 0.0 && is_sky_black {
         "only the sky is in view, and its image is black: all its numbers are 0, or its `scale` is"
             .into()
     } else if film.met() == 0.0 && scene.sky.is_some() {
@@ -66,8 +80,37 @@ pub fn blackness(
     } else {
         let missing = film.mean_coverage().and_then(missing);
         missing.unwrap_or_else(|| unlit(scene, is_sky_black)).into()
+    })
+}
+
+/// The remarks before rendering, one a line, from `film`: a small picture of `scene`, with one ray in each pixel. `is_shifted`: it is
+/// known already that all light is shifted out of sight.
+pub fn foreseen(
+    scene: &Scene,
+    film: &Film,
+    is_shifted: bool,
+    prepared: &mut Prepared,
+) -> Vec<String> {
+    let rays = plan::count(film.size().map(u64::from).iter().product());
+    let shift = match (is_shifted, is_black(film)) {
+        (true, _) => String::new(),
+        (false, true) => shift(scene, prepared),
+        (false, false) => shifted(scene, prepared),
     };
-    format!("the picture is black: {why}\n")
+    let is_shifted = is_shifted || !shift.is_empty();
+    let mut text = String::new();
+    if let Some(why) = why_black(scene, film, is_shifted, Some(prepared)) {
+        text = format!("of {rays} rays, none sees any light: {why}\n");
+    } else if sees_only_sky(scene, film) {
+        text = format!(
+            "of {rays} rays, all see only the sky: {}\n",
+            nothing_met(scene)
+        );
+    }
+    text += &other_times(scene, film, prepared);
+    text += &enclosed(scene, prepared);
+    text += &shift;
+    text.lines().map(str::to_owned).collect()
 }
 
 /// Whether all light of surfaces is of cubes.
@@ -84,11 +127,15 @@ fn reflects_rgb(scene: &Scene) -> bool {
 
 /// A remark if only the sky is in view of a scene that has objects; empty otherwise, and if the picture is black.
 pub fn only_sky(scene: &Scene, film: &Film) -> String {
-    let is_alone = film.met() == 0.0 && scene.sky.is_some() && !scene.objects.is_empty();
-    match is_alone && !is_black(film) {
+    match sees_only_sky(scene, film) && !is_black(film) {
         true => format!("only the sky is in view: {}\n", nothing_met(scene)),
         false => String::new(),
     }
+}
+
+/// Whether the sky is all that is in view of a scene that has objects.
+fn sees_only_sky(scene: &Scene, film: &Film) -> bool {
+    film.met() == 0.0 && scene.sky.is_some() && !scene.objects.is_empty()
 }
 
 /// The remark that no object is visible, with advice.
@@ -176,7 +223,7 @@ fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> String {
             "the light of \"{}\" reaches what is in view with {times} times its emitted wavelength: none of its spectrum is visible \
              there, and what is shown of it, if anything, is too dim for any eye, or extrapolated (see radiance.continuation and \
              display.false_colour)\n",
-            super::info::escaped(&scene.lights[light].name),
+            escaped(&scene.lights[light].name),
         )
     };
     unseen.into_iter().map(line).collect()
@@ -327,7 +374,7 @@ fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
         format!(
             "the spectrum of \"{}\" is seen at {} to {} times its wavelengths: none of it is visible there (see \
              display.false_colour)\n",
-            super::info::escaped(&object.name),
+            escaped(&object.name),
             short(low),
             short(high)
         )
@@ -363,8 +410,8 @@ pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
             .map_or("", |object| &object.name);
         format!(
             "lamp \"{}\" is inside \"{}\": it lights the outside only through openings\n",
-            super::info::escaped(&lamp.lamp),
-            super::info::escaped(object)
+            escaped(&lamp.lamp),
+            escaped(object)
         )
     };
     lamps.map(line).collect()
@@ -377,7 +424,7 @@ pub fn in_glass(scene: &Scene, prepared: &Prepared) -> String {
         format!(
             "the camera is inside the glass of \"{}\": from its surface to the camera light takes as long as outside, not longer by the \
              glass's index; place the camera outside for right times\n",
-            super::info::escaped(&object.name)
+            escaped(&object.name)
         )
     })
 }

@@ -12,16 +12,17 @@ use nullray::{Error, Result};
 
 use super::args::{FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
+use super::console::{print, say, warn};
 use super::failure::refused;
 use super::film::{Ready, check_one, finish, in_pool, one};
 use super::flash::{self, FlashFilm};
-use super::frames::{self, Frames, Job};
+use super::frames::{self, Frames, Job, SharedExposure};
 use super::names::{named_after, numbered, suffixed};
 use super::output::{Kind, Outputs, extension};
 use super::progress::Bar;
 use super::reel::{self, Folder, Reel};
 use super::stats::Account;
-use super::{builtin, caption, exposure, inputs, panels, passes, print, say, warn};
+use super::{builtin, caption, exposure, inputs, panels, passes};
 
 /// The default film rate, pictures per second.
 pub const PLAY_FPS: f64 = 24.0;
@@ -86,7 +87,10 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
             let request = request(arguments, &outputs, &scene);
             let job = Job {
                 changes: &arguments.changes,
-                same_exposure: arguments.exposure.is_same(true),
+                shared_exposure: match arguments.exposure.is_same() {
+                    true => SharedExposure::OfMiddle,
+                    false => SharedExposure::None,
+                },
                 quiet: arguments.work.quiet.on,
                 file: &file,
                 scene: &scene,
@@ -438,7 +442,8 @@ fn all_panels(
     // Panels mostly show the same cubes.
     let mut cubes = LoadedCubes::default();
     let exposure = &arguments.exposure;
-    let scenes = exposure.panels(file, whole, changes, threads, &mut cubes)?;
+    let is_shown = frames::is_shown(outputs);
+    let scenes = exposure.panels(file, whole, changes, threads, &mut cubes, is_shown)?;
     // A single panel with a named output needs no suffix to distinguish it.
     let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();
     let mut jobs = Vec::new();

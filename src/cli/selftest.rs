@@ -9,9 +9,10 @@ use nullray::validate::selftest::{self, Check, Effort, Outcome};
 use serde_json::{Value, json};
 
 use super::args::SelftestArguments;
+use super::console::print;
 use super::failure::Done;
 use super::progress::Bar;
-use super::{failure, film, print};
+use super::{failure, film};
 
 /// Runs every check, reports its result, and returns whether all pass.
 pub fn run(arguments: &SelftestArguments) -> Result<Done> {

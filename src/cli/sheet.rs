@@ -14,11 +14,12 @@ use nullray::{Error, Result};
 
 use super::args::SheetArguments;
 use super::check::{check_all, check_page};
+use super::console::say;
 use super::film::Ready;
 use super::names::{named_after, stem, suffixed};
 use super::output::{Outputs, Picture, picture};
 use super::progress::Bar;
-use super::{builtin, film, inputs, interrupt, say};
+use super::{builtin, film, inputs, interrupt};
 
 pub fn run(arguments: &SheetArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
@@ -170,7 +171,7 @@ fn parts(
     }
     let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
     let exposure = &arguments.exposure;
-    let scenes = exposure.panels(file, whole, changes, threads, cubes)?;
+    let scenes = exposure.panels(file, whole, changes, threads, cubes, true)?;
     let part = |(panel, scene): (&Panel, Scene)| {
         let file = suffixed(beside, &panel.name);
         part(scene, panel, arguments, file)

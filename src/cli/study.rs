@@ -12,12 +12,13 @@ use nullray::{Error, Result};
 
 use super::args::StudyArguments;
 use super::check::Names;
+use super::console::say;
 use super::failure::refused;
 use super::film::in_pool;
 use super::names::named_after;
 use super::output::{encoded, extension};
 use super::progress::Bar;
-use super::{inputs, interrupt, memory, say};
+use super::{inputs, interrupt, memory};
 
 /// Pixels per point in a .png.
 const SCALE: f64 = 2.0;

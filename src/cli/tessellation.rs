@@ -7,9 +7,10 @@ use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 
 use super::args::TessellationArguments;
+use super::console::{print, print_json};
 use super::flags::with_flags;
 use super::progress::Bar;
-use super::{film, interrupt, print, print_json};
+use super::{film, interrupt};
 
 pub fn run(arguments: &TessellationArguments) -> Result<()> {
     let scene = arguments.scene.load()?;

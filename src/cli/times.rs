@@ -8,7 +8,7 @@ use nullray::io::cube::{self, FileTimes};
 use nullray::spacetime::SPEED_OF_LIGHT;
 use nullray::spacetime::units::Time;
 
-use super::warn;
+use super::console::warn;
 
 /// The time axis of an input, metres, as far as known.
 pub struct Times {

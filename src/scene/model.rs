@@ -775,6 +775,21 @@ pub enum Exposure {
     Logarithmic([f64; 2]),
 }
 
+impl Exposure {
+    /// How many times as bright one part of a picture, or one picture of a series, may be as another on a linear display.
+    const LINEAR: f64 = 30.0;
+    /// How many times darker black is on a logarithmic display: room for shadows.
+    const SHADOWS: f64 = 100.0;
+    /// Beyond nine decades neighbouring radiances would share a code.
+    const DECADES: f64 = 1e9;
+
+    /// White over black on a logarithmic display for pictures, or parts of one, of which the brightest is `range` times as bright as the
+    /// darkest; `None` if a linear display shows them all.
+    pub fn white_over_black(range: f64) -> Option<f64> {
+        (range > Self::LINEAR).then(|| (range * Self::SHADOWS).min(Self::DECADES))
+    }
+}
+
 impl Default for Exposure {
     /// The 99th percentile.
     fn default() -> Self {

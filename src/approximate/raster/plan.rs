@@ -129,7 +129,7 @@ impl Method {
     /// Refuses features of `plan` that the method does not support, before anything is loaded.
     ///
     /// # Errors
-    /// A camera whose rays leave separate events; for warps, objects that move; parameters that no text of a method could have.
+    /// A camera whose rays leave separate events, or of whose film parts see nothing; for warps, objects that move; parameters that no text of a method could have.
     pub fn check(&self, plan: &Plan) -> Result<()> {
         self.check_numbers()?;
         if *self == Method::Trace {
@@ -152,13 +152,25 @@ impl Method {
     }
 }
 
-/// The refusal of a camera whose rays do not all leave one event, or of whose film some points see nothing.
+/// The refusal of a camera whose rays do not all leave one event, or of whose film parts see nothing.
 fn apart(plan: &Plan) -> Option<Error> {
+    let refuse = |what: String, remedy: &str| {
+        let remedy = Setting::TraceIt + ", or " + remedy;
+        Some(Error::unsupported(&plan.scene, "camera", what, remedy))
+    };
     let (what, remedy) = match plan.view {
+        ViewKind::Still | ViewKind::Moving | ViewKind::Unaberrated if plan.has_blind_points => {
+            return refuse(
+                "rasterizers need a film that sees something everywhere: parts of this one see nothing (the corners of a fisheye, or what \
+                 is beyond the poles of a panorama)"
+                    .into(),
+                "set a size or an hfov for which all of the film sees something",
+            );
+        }
         ViewKind::Still | ViewKind::Moving | ViewKind::Unaberrated => return None,
         ViewKind::Inertial => (
-            "those of a sensor or a shutter do not; or points of its film see nothing (corners of a fisheye, or beyond the poles of a panorama)",
-            "remove the sensor or the shutter, or set a size or an hfov for which all of the film sees something",
+            "those of a sensor or a shutter do not",
+            "remove the sensor or the shutter",
         ),
         ViewKind::Accelerated => (
             "those of this motion do not",
@@ -171,12 +183,8 @@ fn apart(plan: &Plan) -> Option<Error> {
             "set model = \"exact\"",
         ),
     };
-    Some(Error::unsupported(
-        &plan.scene,
-        "camera",
-        format!("rasterizers need a camera whose rays all leave one event: {what}"),
-        Setting::TraceIt + ", or " + remedy,
-    ))
+    let what = format!("rasterizers need a camera whose rays all leave one event: {what}");
+    refuse(what, remedy)
 }
 
 /// The bytes that this many uncut triangles and their distinct corners take: to the end, and until the film is complete. Growing lists may

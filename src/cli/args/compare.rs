@@ -10,6 +10,7 @@ use super::shared::{Json, MemoryLimit, WorkArguments};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
+#[command(mut_arg("max_memory", |it| it.help("Memory limit, also --memory; pictures that take more are refused. Default: three quarters of what is available")))]
 pub struct CompareArguments {
     /// The reference picture: .exr, .png, .npz or .npy.
     #[arg(value_name = "REFERENCE")]

@@ -258,17 +258,18 @@ impl LineArguments {
 #[derive(Debug, Args)]
 pub struct ExposureArgument {
     /// Use one exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile, over small
-    /// previews of all panels, or of the middle third of a sequence, film or page. The default for these (except films of
-    /// --speeds), not for panels. If you render parts of a sequence separately, give --white.
+    /// previews of all panels or speeds, or of the middle third of a sequence or another film. If the range of panels or
+    /// speeds is too wide, they share a logarithmic scale. This is the default. If you render parts of a sequence
+    /// separately, give --white.
     #[arg(long)]
     same_exposure: bool,
-    /// Give each picture its own exposure. The default for panels, and for films of --speeds.
+    /// Give each picture its own exposure.
     #[arg(long, conflicts_with = "same_exposure")]
     own_exposure: bool,
 }
 
 impl ExposureArgument {
-    /// The scenes of all panels of `file`, in order, with one exposure if requested.
+    /// The scenes of all panels of `file`, in order, with one exposure unless each has its own, or `is_shown` says that no file shows it.
     pub fn panels(
         &self,
         file: &SceneFile,
@@ -276,10 +277,11 @@ impl ExposureArgument {
         changes: &Changes,
         threads: Option<u16>,
         cubes: &mut LoadedCubes,
+        is_shown: bool,
     ) -> Result<Vec<Scene>> {
         let mut scenes = panels::load_all(file, whole, &changes.overrides())?;
-        if self.is_same(false) {
-            panels::same_exposure(&mut scenes, &changes.request(threads), cubes)?;
+        if is_shown && self.is_same() {
+            panels::same_exposure(whole, &mut scenes, &changes.request(threads), cubes)?;
         }
         Ok(scenes)
     }
@@ -289,9 +291,8 @@ impl ExposureArgument {
         self.same_exposure
     }
 
-    /// Whether all share one exposure; `default` if neither flag is given.
-    pub fn is_same(&self, default: bool) -> bool {
-        // The two flags exclude each other.
-        self.same_exposure || default && !self.own_exposure
+    /// Whether all share one exposure.
+    pub fn is_same(&self) -> bool {
+        !self.own_exposure
     }
 }

@@ -26,12 +26,13 @@ use self::report::{WAYS, planned, report, source};
 use super::args::{BakeArguments, WorkArguments};
 use super::builtin::is_model;
 use super::check::Names;
+use super::console::{print, say, warn};
 use super::failure::refused;
 use super::film::in_pool;
 use super::names::{in_file_name, named_after, suffixed};
 use super::output::{Inputs, Samples, extension};
 use super::progress::Bar;
-use super::{inputs, interrupt, print, remarks, say, warn};
+use super::{inputs, interrupt, remarks};
 
 /// The content of one baked file.
 pub struct Job {

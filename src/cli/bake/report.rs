@@ -11,7 +11,7 @@ use nullray::spacetime::Quantity;
 use nullray::spacetime::units::Angle;
 
 use super::Job;
-use crate::cli::faint;
+use crate::cli::console::faint;
 use crate::cli::output::extension;
 
 /// What a bake would cost.

@@ -14,10 +14,11 @@ use nullray::scene::Overrides;
 
 use super::args::DiagramArguments;
 use super::check::{Names, by_ffmpeg, unknown_format};
+use super::console::say;
 use super::failure::refused;
 use super::names::named_after;
 use super::output::{encoded, extension};
-use super::{builtin, inputs, interrupt, reel, say};
+use super::{builtin, inputs, interrupt, reel};
 
 /// The kinds of files, by extension.
 const KINDS: [&str; 6] = ["svg", "pdf", "png", "tex", "apng", "y4m"];

@@ -9,9 +9,10 @@ use nullray::{Error, Result};
 
 use super::overrides;
 use crate::cli::args::{DiagramArguments, Origin};
+use crate::cli::console::{print_json, say};
 use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
-use crate::cli::{builtin, interrupt, panels, print_json};
+use crate::cli::{builtin, interrupt, panels};
 
 /// Returns the diagram of what a pixel sees, and prints its numbers.
 pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
@@ -76,5 +77,5 @@ fn print_numbers(arguments: &DiagramArguments, probe: &Probe) -> Result<()> {
     if arguments.pixel.json {
         return print_json(probe);
     }
-    crate::cli::say(arguments.quiet.on, &probe.to_string())
+    say(arguments.quiet.on, &probe.to_string())
 }

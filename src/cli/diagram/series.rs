@@ -13,9 +13,10 @@ use nullray::{Error, Result};
 
 use super::{Output, Pages};
 use crate::cli::args::DiagramArguments;
+use crate::cli::console::say;
 use crate::cli::failure::refused;
 use crate::cli::names::numbered;
-use crate::cli::{interrupt, reel, say};
+use crate::cli::{interrupt, reel};
 
 /// Writes the animated files among `outputs`, and numbered pictures for all others if frames are requested.
 pub fn write(pages: &Pages, model: &Diagram) -> Result<()> {

@@ -18,12 +18,13 @@ use nullray::{Error, Result};
 
 use super::args::Changes;
 use super::check::check_all;
+use super::console::{escaped, say, warn};
 use super::failure::refused;
 use super::names::{check_places, numbered};
-use super::output::{Identity, Inputs, Kind, Outputs, Stamp, five_digits};
+use super::output::{Ends, Identity, Inputs, Kind, Outputs, Stamp};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
-use super::{exposure, film, inputs, interrupt, overlay, remarks, say, warn};
+use super::{exposure, film, inputs, interrupt, overlay, remarks};
 
 pub use range::{Frames, Shot};
 
@@ -33,8 +34,7 @@ const MEASURED: u64 = 9;
 /// The inputs of a sequence.
 pub struct Job<'a> {
     pub changes: &'a Changes,
-    /// Whether a common exposure is measured for all frames.
-    pub same_exposure: bool,
+    pub shared_exposure: SharedExposure<'a>,
     pub quiet: bool,
     pub file: &'a SceneFile,
     pub scene: &'a Scene,
@@ -44,6 +44,27 @@ pub struct Job<'a> {
     pub outputs: &'a Outputs,
     /// Whether the files stay if the work is stopped.
     pub can_resume: bool,
+}
+
+/// The common exposure of the frames of a sequence if neither the scene nor the command line sets it.
+#[derive(Clone, Copy)]
+pub enum SharedExposure<'a> {
+    /// Each has its own.
+    None,
+    /// That of the middle third.
+    OfMiddle,
+    /// That of all these frames, which show one place at many speeds.
+    OfSpeeds(&'a Frames),
+}
+
+impl<'a> SharedExposure<'a> {
+    /// That of one place at many speeds, `frames`, if they share one.
+    pub fn at_speeds(is_same: bool, frames: &'a Frames) -> Self {
+        match is_same {
+            true => SharedExposure::OfSpeeds(frames),
+            false => SharedExposure::None,
+        }
+    }
 }
 
 /// Renders the frames of a scene, and returns the fingerprints of their display pictures, in order. As soon as the files of a frame
@@ -88,7 +109,7 @@ pub fn run(
         began: Instant::now(),
         done: Done::default(),
         account,
-        white: None,
+        exposure: None,
         unwritten: None,
         fingerprints: Vec::new(),
         passed_on: 0,
@@ -101,8 +122,11 @@ pub fn run(
         }
         sequence.scene_at(last)?;
     }
-    if job.same_exposure && is_shown(outputs) {
-        sequence.measure()?;
+    match job.shared_exposure {
+        _ if !is_shown(outputs) => (),
+        SharedExposure::None => (),
+        SharedExposure::OfMiddle => sequence.measure(frames, exposure::of_film)?,
+        SharedExposure::OfSpeeds(frames) => sequence.measure(frames, exposure::of_speeds)?,
     }
     let rendered = frames.numbers.clone().try_for_each(|number| {
         interrupt::check()?;
@@ -131,8 +155,8 @@ struct Sequence<'a> {
     began: Instant,
     done: Done,
     account: Option<&'a mut Account>,
-    /// The white radiance of all frames, if it was measured.
-    white: Option<f64>,
+    /// The exposure of all frames, if it was measured.
+    exposure: Option<Exposure>,
     /// The last frame, which is written while the next one is rendered: most formats keep one thread busy.
     unwritten: Option<Unwritten>,
     /// Those of the display pictures of the frames so far.
@@ -141,6 +165,9 @@ struct Sequence<'a> {
     passed_on: usize,
     ready: &'a mut dyn FnMut(u64, &str) -> Result<()>,
 }
+
+/// The exposure of frames of which some are given.
+type Measure = fn(&[Scene], Exposure, &Request, &mut Prepared) -> Result<Exposure>;
 
 /// A rendered frame that is not yet written.
 struct Unwritten {
@@ -282,7 +309,14 @@ impl Sequence<'_> {
 
     /// The scene at the time of a frame.
     fn scene_at(&self, number: u64) -> Result<Scene> {
-        let Job { frames, file, .. } = self.job;
+        let mut scene = self.unexposed(self.job.frames, number)?;
+        scene.exposure = self.exposure.unwrap_or(scene.exposure);
+        Ok(scene)
+    }
+
+    /// The scene at the time of a frame of `frames`, before their exposure is measured.
+    fn unexposed(&self, frames: &Frames, number: u64) -> Result<Scene> {
+        let file = self.job.file;
         let mut overrides = self.job.changes.overrides();
         if let Some(time) = frames.time(number) {
             overrides.time = Some(format!("{time} m"));
@@ -295,34 +329,29 @@ impl Sequence<'_> {
                 scene.exposure = Exposure::default();
             }
         }
-        if let Some(white) = self.white {
-            scene.exposure = Exposure::White(white);
-        }
         Ok(scene)
     }
 
-    /// Measures one exposure for all frames, from at most [`MEASURED`] of them, including the first and the last.
-    fn measure(&mut self) -> Result<()> {
-        let numbers = self.job.frames.numbers.clone();
+    /// Measures one exposure for all frames, by `measured_of` at most [`MEASURED`] of `frames`, including the first and the last.
+    fn measure(&mut self, frames: &Frames, measured_of: Measure) -> Result<()> {
+        let numbers = frames.numbers.clone();
         let count = numbers.end - numbers.start;
         let measured = count.min(MEASURED);
         let number = |k: u64| match measured {
             0 | 1 => numbers.start,
             _ => numbers.start + k * (count - 1) / (measured - 1),
         };
-        let scenes = (0..measured).map(|k| self.scene_at(number(k)));
+        let scenes = (0..measured).map(|k| self.unexposed(frames, number(k)));
         let scenes = scenes.collect::<Result<Vec<_>>>()?;
-        if let Some(percentile) = exposure::percentile(&scenes) {
-            let prepared = self.prepare(&scenes[0])?;
-            let prepared = self.prepared.insert(prepared);
-            let request = self.job.request;
-            self.white = Some(exposure::of_film(&scenes, percentile, request, prepared)?);
-        }
-        match self.white {
-            Some(white) => self.say(&format!(
-                "one exposure for all frames: white is radiance {}\n",
-                five_digits(white)
-            )),
+        let Some(percentile) = scenes.first().and_then(exposure::percentile) else {
+            return Ok(());
+        };
+        let prepared = self.prepare(&scenes[0])?;
+        let prepared = self.prepared.insert(prepared);
+        let exposure = measured_of(&scenes, percentile, self.job.request, prepared)?;
+        self.exposure = Some(exposure);
+        match Ends::of(exposure) {
+            Some(ends) => self.say(&format!("one exposure for all frames: {ends}\n")),
             None => Ok(()),
         }
     }
@@ -405,7 +434,7 @@ impl Sequence<'_> {
             if self.done.remark.is_empty() {
                 let times = self.prepared.as_mut().map(|p| {
                     let misfits = survey::misfits(scene, p).into_iter();
-                    let line = |text: String| format!("{}\n", super::info::escaped(&text));
+                    let line = |text: String| format!("{}\n", escaped(&text));
                     let others = remarks::other_times(scene, film, p);
                     others + &remarks::times(scene, p) + &misfits.map(line).collect::<String>()
                 });

@@ -1,5 +1,6 @@
 //! The contents of a file of arrays, from its headers, and whether it can be used as a cube; or that it is a picture.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -11,7 +12,8 @@ use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Map, Value, json};
 
-use super::{Info, MOST, escaped};
+use super::{Info, MOST};
+use crate::cli::console::escaped;
 
 pub fn info(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     match format.pictures {
@@ -279,10 +281,10 @@ fn describe(info: &mut Info, header: &Header, cube: Option<&Cube>) {
     info.row("shape", shape(header));
     let size = size(header).map_or("unknown size".into(), bytes);
     let order = if header.fortran_order { "Fortran" } else { "C" };
-    let precision = precision(header);
+    let kind = kind_of_samples(header);
     info.row(
         "samples",
-        format!("{} ({precision}), {order} order, {size}", descr(header)),
+        format!("{} ({kind}), {order} order, {size}", descr(header)),
     );
     match cube {
         None => {}
@@ -400,12 +402,25 @@ fn descr(header: &Header) -> String {
     }
 }
 
-fn precision(header: &Header) -> &'static str {
-    match header.dtype {
-        Dtype::F16 => "half precision",
-        Dtype::F32 => "single precision",
-        Dtype::F64 => "double precision",
-        Dtype::Other(_) => "not floating-point",
+/// What samples are, in words.
+fn kind_of_samples(header: &Header) -> Cow<'static, str> {
+    let descr = match &header.dtype {
+        Dtype::F16 => return "half precision".into(),
+        Dtype::F32 => return "single precision".into(),
+        Dtype::F64 => return "double precision".into(),
+        Dtype::Other(descr) => descr,
+    };
+    let Some((kind, bytes)) = simple(descr) else {
+        return "neither numbers nor text".into();
+    };
+    match kind {
+        'b' => "true or false".into(),
+        'i' => format!("{}-bit integers", 8 * u128::from(bytes)).into(),
+        'u' => format!("{}-bit integers from 0", 8 * u128::from(bytes)).into(),
+        'f' => "floating-point numbers".into(),
+        'c' => "complex numbers".into(),
+        'S' | 'U' => "text".into(),
+        _ => "neither numbers nor text".into(),
     }
 }
 
@@ -421,11 +436,16 @@ fn size(header: &Header) -> Option<u64> {
     sizes.try_fold(sample, |bytes: u64, &n| bytes.checked_mul(n as u64))
 }
 
-/// The bytes of a sample of a type like "<i4"; each character of "<U5" has 4 bytes.
-fn simple_size(descr: &str) -> Option<u64> {
+/// The kind and the number of a type like "<i4".
+fn simple(descr: &str) -> Option<(char, u64)> {
     let mut chars = descr.chars();
     let kind = chars.find(|c| !matches!(c, '<' | '>' | '|' | '='))?;
-    let number: u64 = chars.as_str().parse().ok()?;
+    Some((kind, chars.as_str().parse().ok()?))
+}
+
+/// The bytes of a sample of such a type; each character of "<U5" has 4 bytes.
+fn simple_size(descr: &str) -> Option<u64> {
+    let (kind, number) = simple(descr)?;
     match kind {
         'b' | 'i' | 'u' | 'f' | 'c' | 'S' | 'V' => Some(number),
         'U' => number.checked_mul(4),

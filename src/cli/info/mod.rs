@@ -16,7 +16,8 @@ use nullray::{Error, Result};
 use serde_json::{Map, Value};
 
 use super::args::InfoArguments;
-use super::{builtin, print, print_json};
+use super::builtin;
+use super::console::{escaped, print, print_json};
 
 /// The longest value that is printed; JSON has all of it.
 const LONGEST: usize = 100;
@@ -126,25 +127,6 @@ impl Info {
     }
 }
 
-/// `text` without control characters, cut to a bounded length.
-pub(super) fn escaped(text: &str) -> String {
-    const LONGEST_LINE: usize = 2000;
-    let mut out = String::new();
-    for (at, c) in text.chars().enumerate() {
-        match c {
-            _ if at == LONGEST_LINE => return out + "…",
-            c if c.is_control() || is_reordering(c) => out.extend(c.escape_default()),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
-/// Whether the character changes the direction of the text after it, or is invisible.
-pub(super) fn is_reordering(c: char) -> bool {
-    matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
-}
-
 enum Kind {
     Gltf,
     Array(&'static CubeFormat),
@@ -223,14 +205,4 @@ fn start(path: &Path) -> Result<Vec<u8>> {
         start.pop();
     }
     Ok(start)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn control_characters_do_not_reach_the_terminal() {
-        assert_eq!(escaped("a\x1b[31m\n\u{202e}é"), "a\\u{1b}[31m\\n\\u{202e}é");
-    }
 }

@@ -7,6 +7,7 @@ use nullray::Result;
 use nullray::io::budget::Budget;
 use nullray::io::cube;
 use nullray::io::image::{self, Channel, Layers, Samples, panorama};
+use nullray::render::aov::Aov;
 use serde_json::{Value, json};
 
 use super::Info;
@@ -17,7 +18,10 @@ pub fn exr(path: &Path, memory: u64) -> Result<Info> {
     let mut info = Info::new("exr", "OpenEXR picture");
     size(&mut info, layers.width, layers.height);
     info.row("channels", layers.channels.len().to_string());
-    let channels = layers.channels.iter().map(|channel| {
+    // As in the table of channels, after the radiance; a file has them by name.
+    let mut channels: Vec<&Channel> = layers.channels.iter().collect();
+    channels.sort_by_key(|channel| place(&channel.name));
+    let channels = channels.into_iter().map(|channel| {
         let (name, range, kind) = (
             &channel.name,
             Range::of(channel),
@@ -42,6 +46,13 @@ pub fn exr(path: &Path, memory: u64) -> Result<Info> {
     }
     info.metadata(&layers.metadata);
     Ok(info)
+}
+
+/// The place of a channel among those that nullray knows; others come after them.
+fn place(name: &str) -> usize {
+    let radiance = ["radiance.R", "radiance.G", "radiance.B"].into_iter();
+    let mut known = radiance.chain(Aov::ALL.iter().map(|aov| aov.name()));
+    known.position(|known| known == name).unwrap_or(usize::MAX)
 }
 
 /// Whether this may be a panorama of the whole sky; of pictures of scenes the metadata say it.

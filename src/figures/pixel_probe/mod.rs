@@ -25,7 +25,7 @@ mod diagram;
 mod trace;
 
 pub use diagram::{Origin, diagram};
-pub use trace::trace;
+pub use trace::{check, trace};
 
 use glam::DVec3;
 use serde::Serialize;

@@ -45,11 +45,7 @@ pub fn trace(
     progress: &dyn Progress,
 ) -> Result<Probe> {
     within(scene, pixel)?;
-    if scene.camera.stereo.is_some() {
-        let what = "a diagram follows the light to one pinhole, but a stereo pair has two";
-        let help = "leave [camera.stereo] out, and move `eye` to either eye";
-        return Err(Error::unsupported(&scene.name, "camera.stereo", what, help));
-    }
+    check(scene)?;
     let request = Request {
         aovs: CHANNELS.to_vec(),
         pixel_centers: true,
@@ -96,6 +92,19 @@ pub fn trace(
         hit,
         reach: reach(scene, reception.pinhole),
     })
+}
+
+/// Refuses a camera with two pinholes, of whose pixels there are no diagrams.
+///
+/// # Errors
+/// A stereo pair.
+pub fn check(scene: &Scene) -> Result<()> {
+    if scene.camera.stereo.is_none() {
+        return Ok(());
+    }
+    let what = "a diagram follows the light to one pinhole, but a stereo pair has two";
+    let help = "leave [camera.stereo] out, and move `eye` to either eye";
+    Err(Error::unsupported(&scene.name, "camera.stereo", what, help))
 }
 
 fn place([column, row]: [u32; 2]) -> String {

@@ -283,7 +283,7 @@ pub(super) fn check_plain(scene: &Scene) -> Result<()> {
         return Err(Error::invalid(&scene.name, place, what, help));
     }
     if !scene.effects.aberration && !camera.velocity.is_rest() {
-        let what = "the directions in which a moving camera looks are then those of no pinhole at rest with the objects, to which a cube belongs";
+        let what = "without aberration, no pinhole at rest with the objects sees these directions";
         let help = "bake with aberration; a scene that shows the cube can turn it off";
         return Err(Error::invalid(
             &scene.name,

@@ -71,10 +71,11 @@ impl Plan {
             |cubes: &_| memory::memory(scene, &frames, normals, &objects, cubes, &layout, request);
         memory::read_in_parts(&mut cubes, request.memory_limit, &memory);
         let memory = memory(&cubes);
-        let view = Camera::new(scene)?.view.kind();
+        let camera = Camera::new(scene)?;
         let mut plan = Plan {
             scene: scene.name.clone(),
-            view,
+            view: camera.view.kind(),
+            has_blind_points: camera.has_blind_points(),
             frames,
             time_resolved: is_time_resolved(scene, &objects),
             objects,

@@ -53,6 +53,8 @@ pub struct Plan {
     pub scene: String,
     /// How film points become world directions.
     pub view: camera::ViewKind,
+    /// Whether parts of the film see nothing: the corners of a fisheye, or what is beyond the poles of a panorama.
+    pub has_blind_points: bool,
     /// The rest frames; one BVH each.
     pub frames: Vec<PlannedFrame>,
     /// For each object of the scene, what is loaded of it.

@@ -68,6 +68,10 @@ impl Plan {
             ViewKind::Stereo => "stereo pair, a pinhole for each half",
             ViewKind::Paper => "camera by the equations of 2015",
         };
+        let blind = match self.has_blind_points {
+            true => ", parts of the film see nothing",
+            false => "",
+        };
         let samples = match (self.film.samples, self.film.pixel_centers) {
             (_, true) => "a ray through the centre of each".into(),
             (1, false) => "1 sample each".into(),
@@ -76,7 +80,7 @@ impl Plan {
         row(
             f,
             "film",
-            &format!("{width} × {height} pixels, {samples}, {view}"),
+            &format!("{width} × {height} pixels, {samples}, {view}{blind}"),
         )?;
         let names: Vec<_> = self.film.channels.iter().map(|a| a.name()).collect();
         match names.as_slice() {

@@ -32,17 +32,11 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::gltf::{self, BadTextures};
 use crate::mesh::Factors;
+use crate::scene::model::Exposure;
 use crate::spacetime::Quantity;
 
-/// How many times as bright one part of the model may be as another, because of their wavelength ratios alone, on a linear display. That of
-/// stills has room for W from 0.67 to 1.48.
-const LINEAR: f64 = 30.0;
 /// The least radiance that is displayed as white, relative to that of a white surface in the sun: dark models look dark.
 const LEAST_WHITE: f64 = 0.5;
-/// How many times darker black is on a logarithmic display: room for shadows.
-const SHADOWS: f64 = 100.0;
-/// Beyond nine decades neighbouring radiances would share a code.
-const DECADES: f64 = 1e9;
 /// Bounces for a model with glass: enough to see through two hollow bodies of four surfaces each.
 const GLASS_BOUNCES: u32 = 8;
 /// Samples per pixel of a model of metal: each is one direction of what it mirrors.
@@ -116,12 +110,12 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
         let _ = write_light(&mut text, light, &name);
     }
     let [white, dark] = camera.ratios.map(|w| brightness(quantity, w));
-    let range = white / dark;
-    let is_linear = range <= LINEAR;
+    // Of the stills, a linear display has room for W from 0.67 to 1.48.
+    let range = Exposure::white_over_black(white / dark);
     // The brightness of a white surface in the middle.
     let middle = brightness(quantity, (camera.ratios[0] * camera.ratios[1]).sqrt());
     let is_unlit = held.unlit.len() == held.materials.len();
-    let least_white = match is_linear {
+    let least_white = match range.is_none() {
         true if is_unlit => middle,
         true if is_sunlit => LEAST_WHITE * middle,
         _ => 0.0,
@@ -133,7 +127,7 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
     }
     Ok(ModelScene {
         text,
-        range: (!is_linear).then(|| (range * SHADOWS).min(DECADES)),
+        range,
         white,
         least_white,
         display,

@@ -1,7 +1,7 @@
 //! The text of a model's scene.
 //!
 //! *Display.* At the wavelength ratio W, white light of 6504 K looks like a blackbody of 6504 K/W, and colours that keep their hue
-//! have W⁻⁴ of their radiance. If this brightness varies by more than a factor of 20 over the model, the display is logarithmic. If
+//! have W⁻⁴ of their radiance. If this brightness varies by more than a factor of 30 over the model, the display is logarithmic. If
 //! parts of the model have W > 5, that is, if they are seen in light emitted below 170 nm with 10⁻⁷ of its brightness, colours keep
 //! their hue. Models lit by the sun of this scene are exposed as if they held something half as bright as a white surface, so that black ones
 //! look black, and those that are nowhere lit with their own colours.

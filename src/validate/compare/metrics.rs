@@ -770,7 +770,8 @@ impl Comparison {
         }
         let names = METRICS.iter().map(|metric| match metric.of {
             Of::Channel(_) | Of::Picture(..) => metric.name.to_string(),
-            Of::Pixels(..) => format!("{}.mean", metric.name),
+            Of::Pixels(_, true, _) => format!("{0}.mean, {0}.{BIAS}", metric.name),
+            Of::Pixels(_, false, _) => format!("{}.mean", metric.name),
         });
         let names: Vec<String> = names.collect();
         let parts = PARTS.map(|(name, ..)| name).join(", ");

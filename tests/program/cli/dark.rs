@@ -113,10 +113,12 @@ fn lamps_whose_light_is_shifted_out_of_sight_or_too_cold_are_named() {
         // The camera has a velocity, too, which is 0.
         let moves = scene.matches("velocity").count() > 1;
         assert_eq!(
-            planned.contains("radiance.continuation"),
+            planned.contains("colours represent smooth spectra"),
             moves,
             "{planned}"
         );
+        let told = planned.contains("the light of \"far\" reaches what is in view with");
+        assert_eq!(told, is_said, "{planned}");
     }
     // Of the spectrum of the cosmic background nothing is visible on a floor.
     let sky =
@@ -126,6 +128,71 @@ fn lamps_whose_light_is_shifted_out_of_sight_or_too_cold_are_named() {
         rendered.contains("the light of the sky is invisible"),
         "{rendered}"
     );
+}
+
+#[test]
+fn a_plan_knows_from_a_few_rays_why_a_picture_will_be_dark() {
+    let folder = Folder::empty();
+    let ball = |object: &str, rest: &str| {
+        format!(
+            "[camera]\neye = [0, 1, 4]\nlook_at = [0, 1, 0]\nsize = [128, 96]\n[radiance]\nquantity = \"rgb\"\n\
+             [[object]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = 1 }} }}\n{object}\n{rest}"
+        )
+    };
+    let away = "origin = { position = [50, 0, 0] }";
+    let light = |rest: &str| format!("[[light]]\nname = \"lamp\"\n{rest}");
+    let infrared = "spectrum = { line = \"10 um\", total = 1 }";
+    let inside = light("position = [0, 0, 0]");
+    let dark = light("position = [0, 0, 9]\nintensity = 0");
+    let hot = light(&format!("position = [0, 1, 9]\n{infrared}"));
+    let spot = light("type = \"spot\"\nposition = [0, 1, 9]\ndirection = [0, 0, 1]");
+    let lit = light("position = [0, 1, 9]");
+    for (scene, black, said) in [
+        (ball("", &inside), true, "all light is inside objects"),
+        (ball("", &inside), true, "lamp \"lamp\" is inside \"ball\""),
+        (
+            ball("", &dark),
+            true,
+            "the intensity, radiance or power of all lights is 0",
+        ),
+        (
+            ball("", "[sky]\nradiance = 0"),
+            true,
+            "power of all lights is 0",
+        ),
+        (ball(away, &lit), true, "no object's front is in view"),
+        (
+            ball(away, "[sky]\ngradient = {}"),
+            false,
+            "no object's front is in view",
+        ),
+        (
+            ball(infrared, ""),
+            true,
+            "the spectrum of \"ball\" is seen at 1 to 1 times",
+        ),
+        (
+            ball("", &hot),
+            true,
+            "the light of \"lamp\" reaches what is in view with 1 times",
+        ),
+        (
+            ball("", &spot),
+            true,
+            "no light reaches what is in view, at any time",
+        ),
+    ] {
+        let [planned, rendered] = planned_and_rendered(&folder, &scene);
+        assert!(rendered.contains(said), "{said}: {rendered}");
+        assert!(planned.contains(said), "{said}: {planned}");
+        let rays = match black {
+            true => "of 3,072 rays, none sees any light: ",
+            false => "of 3,072 rays, all see only the sky: ",
+        };
+        assert!(planned.contains(rays), "{rays}: {planned}");
+    }
+    let [planned, _] = planned_and_rendered(&folder, &ball("", &lit));
+    assert!(!planned.contains("rays, "), "{planned}");
 }
 
 #[test]

@@ -17,6 +17,18 @@ fn a_scene_is_exported_and_what_was_written_is_said() {
 }
 
 #[test]
+fn a_fisheye_with_dark_corners_is_exported_as_the_point_that_it_is() {
+    let folder = Folder::new();
+    let fisheye = "camera.projection=fisheye_equisolid";
+    let arguments = ["export", "scene.toml", "--no-reference", "-o", "b"];
+    let set = ["--set", fisheye, "--set", "camera.hfov=360 deg"];
+    folder.ok(&[&arguments[..], &set].concat());
+    let bundle: serde_json::Value = serde_json::from_slice(&folder.read("b/bundle.json")).unwrap();
+    assert_eq!(bundle["camera"]["is_point"], true);
+    assert_eq!(bundle["camera"]["kind"], "moving");
+}
+
+#[test]
 fn what_a_scene_has_no_use_for_in_its_models_is_not_remarked() {
     let folder = Folder::empty();
     let capture = repository("scenes/capture.toml");

@@ -305,17 +305,61 @@ fn diagrams_are_the_same_as_raw_video_and_as_animated_png() {
     assert_eq!(y4m(&run.stdout), raw);
 }
 
+/// A wall of radiance 0.5 that fills the picture of a camera at rest in front of it. At the speed β towards it, it is D⁴ times as bright,
+/// with D² = (1 + β)/(1 − β).
+pub(super) const WALL: &str = "[camera]\neye = [0, 0, 30]\nlook_at = [0, 0, 0]\nsize = [24, 16]\nhfov = \"2 deg\"\n\
+     [[object]]\ncolour = [0.5, 0.5, 0.5]\nshape = { plane = { size = [90, 90] } }\n\
+     transform = { rotate = { axis = [1, 0, 0], angle = \"90 deg\" } }\n";
+
+#[test]
+fn one_place_at_many_speeds_has_one_exposure() {
+    let folder = Folder::empty();
+    folder.write("wall.toml", WALL);
+    let film = |more: &str| {
+        let words = format!("film wall.toml --no-captions --pictures 3 -o a.apng --speeds {more}");
+        let said = folder.ok(&words.split(' ').collect::<Vec<_>>());
+        let pictures = apng(&folder.read("a.apng"));
+        let codes: Vec<u8> = pictures.iter().map(|picture| picture.2[0]).collect();
+        (said, codes, pictures)
+    };
+    let near = |codes: &[u8], expected: [u8; 3]| {
+        let mut both = codes.iter().zip(expected);
+        both.all(|(a, b)| a.abs_diff(b) <= 1)
+    };
+    let radiance = |said: &str, before: &str| {
+        let all = said
+            .lines()
+            .find(|line| line.starts_with("one exposure for all frames"));
+        let number = all.and_then(|line| line.split(before).nth(1)).expect(said);
+        number.split(' ').next().unwrap().parse::<f64>().unwrap()
+    };
+    // D⁴ = 1, 4 and 16: white is 8, of which the others are 1/16 and 1/4.
+    let (said, codes, _) = film("0.6");
+    let white = radiance(&said, "white is radiance ");
+    assert!((white / 8.0 - 1.0).abs() < 0.01, "{said}");
+    assert!(near(&codes, [71, 137, 255]), "{codes:?}");
+    // D⁴ = 1, 19 and 361, over 30: black is a hundredth of 0.5, white 180.5, and ln 100/ln 36100 = 0.4388.
+    let (said, codes, _) = film("0.9");
+    let black = radiance(&said, "by the logarithm of radiance, from ");
+    assert!((black / 0.005 - 1.0).abs() < 0.01, "{said}");
+    assert!(near(&codes, [112, 183, 255]), "{codes:?}");
+    // A camera at rest beside it is shown as it is in the first picture.
+    let (_, _, pictures) = film("0.9 --beside rest");
+    let rest = pictures[2].2.iter().filter(|code| code.abs_diff(112) <= 1);
+    assert!(rest.count() >= 3 * 24 * 16);
+    // Each its own, on request.
+    let (said, codes, _) = film("0.9 --own-exposure");
+    assert!(
+        !said.contains("one exposure") && codes == [255; 3],
+        "{said}"
+    );
+}
+
 #[test]
 fn a_film_is_exposed_for_its_middle_and_not_for_the_scene_s_own_camera() {
     let folder = Folder::new();
-    // A wall that fills the picture, of radiance 0.5, and a camera that falls towards it: at speed β ahead it is D⁴ times as bright, with
-    // D² = (1 + β)/(1 − β). At the ends of the film D⁴ is 1 and 1521, and at most 1521^(5/8) = 97 in its middle third.
-    folder.write(
-        "wall.toml",
-        "[camera]\neye = [0, 0, 30]\nlook_at = [0, 0, 0]\nsize = [24, 16]\nhfov = \"2 deg\"\n\
-         [display]\nwhite = 1e5\n[[object]]\ncolour = [0.5, 0.5, 0.5]\nshape = { plane = { size = [90, 90] } }\n\
-         transform = { rotate = { axis = [1, 0, 0], angle = \"90 deg\" } }\n",
-    );
+    // A camera that falls towards the wall: at the ends of the film D⁴ is 1 and 1521, and at most 1521^(5/8) = 97 in its middle third.
+    folder.write("wall.toml", WALL.to_owned() + "[display]\nwhite = 1e5\n");
     let film = "film wall.toml --accelerate 0.95 --pictures 9 --no-captions -o a.apng";
     let said = folder.ok(&film.split(' ').collect::<Vec<_>>());
     let white = said.split("white is radiance ").nth(1).unwrap();

@@ -703,3 +703,45 @@ fn a_model_without_a_scene_says_that_its_cameras_are_not_used() {
     let said = folder.ok(&["plan", "scene.toml"]);
     assert!(!said.contains(told), "{said}");
 }
+
+#[test]
+fn samples_that_are_not_floating_point_are_named() {
+    let folder = Folder::empty();
+    for (descr, size, said) in [
+        ("<i4", 4, "<i4 (32-bit integers)"),
+        ("|u1", 1, "|u1 (8-bit integers from 0)"),
+        ("|b1", 1, "|b1 (true or false)"),
+        ("<U31", 124, "<U31 (text)"),
+    ] {
+        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': (2,), }}\n");
+        let mut file = b"\x93NUMPY\x01\x00".to_vec();
+        file.extend((header.len() as u16).to_le_bytes());
+        file.extend(header.bytes());
+        file.resize(file.len() + 2 * size, 0);
+        folder.write("a.npy", file);
+        let text = folder.ok(&["info", "a.npy"]);
+        assert!(text.contains(said), "{text}");
+    }
+}
+
+#[test]
+fn channels_of_a_picture_are_in_the_order_of_their_table() {
+    let folder = Folder::new();
+    folder.ok(&[
+        "render",
+        "scene.toml",
+        "-o",
+        "a.exr",
+        "--aovs",
+        "event,alpha,object",
+    ]);
+    let json: Value = serde_json::from_str(&folder.ok(&["info", "a.exr", "--json"])).unwrap();
+    let channels = json["channels"].as_array().unwrap().iter();
+    let names: Vec<_> = channels
+        .map(|channel| channel["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names[..3], ["radiance.R", "radiance.G", "radiance.B"]);
+    let table = nullray::render::aov::Aov::ALL.iter().map(|aov| aov.name());
+    let known: Vec<_> = table.filter(|name| names.contains(name)).collect();
+    assert_eq!(names[3..3 + known.len()], known);
+}

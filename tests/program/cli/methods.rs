@@ -147,6 +147,21 @@ fn what_is_no_method_or_cannot_be_done_by_it_is_refused() {
             &["a stereo pair leave two eyes", "remove `stereo`"],
         ),
         (
+            &[
+                "--method",
+                "warp:cube=16",
+                "--set",
+                "camera.projection=fisheye_equisolid",
+                "--set",
+                "camera.hfov=360 deg",
+            ],
+            &[
+                "rasterizers need a film that sees something everywhere",
+                "corners of a fisheye",
+                "or set a size or an hfov",
+            ],
+        ),
+        (
             &["--method", "raster:uniform=0.00001"],
             &["16777216 points", "longer edge"],
         ),

@@ -164,3 +164,33 @@ fn a_page_does_not_go_to_standard_output() {
     let arguments = ["page", "scene.toml", "--beta", "0.5", "-o", "-"];
     refused(&folder, &arguments, &["-o -", "a page is a directory"]);
 }
+
+#[test]
+fn a_page_with_diagrams_of_a_stereo_pair_is_refused_before_pictures_are_rendered() {
+    let folder = Folder::new();
+    let words = "page scene.toml --beta 0.5 --steps 2 --grid 2x2 -o page --set";
+    let stereo = ["camera.stereo={interpupillary_distance=\"6 cm\"}"];
+    let arguments: Vec<_> = words.split(' ').chain(stereo).collect();
+    let run = folder.run(&arguments);
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    assert!(run.message().contains("camera.stereo"), "{}", run.message());
+    assert_eq!(folder.names(), ["scene.toml"]);
+}
+
+#[test]
+fn the_pictures_of_a_page_share_one_exposure() {
+    let folder = Folder::new();
+    let page = ["page", "scene.toml", "--steps", "3", "--no-diagram", "-o"];
+    let said = folder.ok(&[&page[..], &["a"]].concat());
+    assert!(
+        said.contains("one exposure for all frames: by the logarithm of radiance"),
+        "{said}"
+    );
+    let said = folder.ok(&[&page[..], &["b", "--beta", "0.1"]].concat());
+    assert!(
+        said.contains("one exposure for all frames: white is radiance"),
+        "{said}"
+    );
+    let said = folder.ok(&[&page[..], &["c", "--own-exposure"]].concat());
+    assert!(!said.contains("one exposure"), "{said}");
+}

@@ -3,6 +3,7 @@
 use nullray::io::image::{exr, png};
 use serde_json::Value;
 
+use super::film::WALL;
 use super::refused::refused;
 use super::{Folder, SMALL, repository};
 
@@ -433,4 +434,45 @@ fn a_panel_has_a_caption_of_its_own() {
     let height = |bytes: &[u8]| u32::from_be_bytes(bytes[20..24].try_into().unwrap());
     assert_eq!(height(&of_panel), height(&folder.read("g.png")));
     assert!(height(&of_panel) > height(&folder.read("f-a.png")));
+}
+
+#[test]
+fn panels_share_one_exposure_but_for_those_that_set_their_own() {
+    let folder = Folder::empty();
+    // D⁴ = 1 and 16: white is 8.
+    let speed = |beta: f64| format!("\"camera.velocity.beta\" = [0, 0, -{beta}]");
+    let panel =
+        |name: &str, set: &str| format!("[[panel]]\nname = \"{name}\"\nset = {{ {set} }}\n");
+    let fast = speed(0.6) + ", \"display.white\" = 3.0";
+    let text = [
+        WALL,
+        &panel("rest", &speed(0.0)),
+        &panel("fast", &speed(0.6)),
+        &panel("own", &fast),
+    ];
+    folder.write("wall.toml", text.concat());
+    let whites = |more: &[&str]| {
+        let render = ["render", "wall.toml", "--pixel-centers", "-o", "a.png"];
+        folder.ok(&[&render[..], more].concat());
+        ["rest", "fast", "own"].map(|name| {
+            let white = entry(&folder, &format!("a-{name}.png"), "white");
+            white.parse::<f64>().unwrap()
+        })
+    };
+    let near = |found: [f64; 3], expected: [f64; 3]| {
+        let mut both = found.iter().zip(expected);
+        assert!(both.all(|(a, b)| (a / b - 1.0).abs() < 0.01), "{found:?}");
+    };
+    near(whites(&[]), [8.0, 8.0, 3.0]);
+    near(whites(&["--own-exposure"]), [0.5, 8.0, 3.0]);
+    // Over 30 apart, they share a logarithmic scale.
+    folder.write("wall.toml", text.concat().replace("-0.6", "-0.9"));
+    folder.ok(&["render", "wall.toml", "-o", "b.png"]);
+    let [rest, fast] = ["b-rest.png", "b-fast.png"].map(|name| entry(&folder, name, "logarithmic"));
+    assert_eq!(rest, fast);
+    let ends: Vec<f64> = rest.split(' ').map(|end| end.parse().unwrap()).collect();
+    assert!(
+        (ends[0] / 0.005 - 1.0).abs() < 0.01 && (ends[1] / 180.5 - 1.0).abs() < 0.01,
+        "{rest}"
+    );
 }

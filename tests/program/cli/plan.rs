@@ -26,6 +26,36 @@ fn the_plan_says_what_is_done_and_what_is_skipped() {
 }
 
 #[test]
+fn a_fisheye_with_dark_corners_is_planned_as_the_point_that_it_is() {
+    let folder = Folder::new();
+    let planned = |more: &[&str]| {
+        let fisheye = ["camera.projection=fisheye_equisolid", "camera.hfov=360 deg"];
+        let sets = fisheye.iter().chain(more).flat_map(|set| ["--set", set]);
+        let arguments: Vec<_> = ["plan", "scene.toml"].into_iter().chain(sets).collect();
+        let text = folder.ok(&arguments);
+        let json = folder.ok(&[&arguments[..], &["--json"]].concat());
+        (text, serde_json::from_str::<Value>(&json).unwrap())
+    };
+    for (more, camera, kind) in [
+        (&[][..], "moving camera", "moving"),
+        (&["camera.velocity.beta=0"], "camera at rest", "still"),
+        (
+            &["effects.aberration=false"],
+            "moving camera without aberration",
+            "unaberrated",
+        ),
+    ] {
+        let (text, json) = planned(more);
+        let film = format!("4 samples each, {camera}, parts of the film see nothing\n");
+        assert!(text.contains(&film), "{text}");
+        assert_eq!(json["view"], kind);
+        assert_eq!(json["has_blind_points"], true);
+    }
+    let (_, json) = planned(&["camera.shutter={duration=\"1 cm\"}"]);
+    assert_eq!(json["view"], "inertial");
+}
+
+#[test]
 fn the_plan_as_json_has_the_same_numbers() {
     let folder = Folder::new();
     let text = folder.ok(&[

@@ -155,6 +155,10 @@ fn bad_input_has_exit_code_2() {
     );
     assert_eq!(code(&unknown), 2);
     assert!(message(&unknown).contains("no such metric"));
+    // Those of signed values have a bias, too.
+    for metric in ["time.mean, time.bias", "w.mean, w.bias"] {
+        assert!(message(&unknown).contains(metric), "{metric}");
+    }
     let mixed = run(folder.path(), &["exact.exr", "mine.png"]);
     assert_eq!(code(&mixed), 2);
     assert!(message(&mixed).contains("sRGB codes"));
@@ -397,5 +401,35 @@ fn pictures_of_indices_alone_have_reports_and_maps() {
         let output = run(folder.path(), &["a.npz", "a.npz", option, name]);
         assert_eq!(code(&output), 0, "{option}: {}", text(&output.stderr));
         assert!(folder.path().join(name).exists(), "{option}");
+    }
+}
+
+#[test]
+fn a_picture_beside_itself_has_one_exposure_in_the_singular() {
+    let folder = folder();
+    let output = run(folder.path(), &["exact.npz", "exact.npz"]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    let line = said.lines().find(|line| line.starts_with("FLIP")).unwrap();
+    let count = line.split("HDR, ").nth(1).unwrap();
+    let words: Vec<_> = count.split(' ').take(2).collect();
+    assert_eq!(words[1] == "exposure", words[0] == "1", "{line}");
+}
+
+#[test]
+fn help_says_what_a_memory_limit_does() {
+    for (command, said) in [
+        ("compare", "pictures that take more are refused"),
+        ("selftest", "checks that take more are refused"),
+        (
+            "render",
+            "cubes that do not fit are read from disk in parts",
+        ),
+    ] {
+        let mut help = Command::new(env!("CARGO_BIN_EXE_nullray"));
+        let output = help.args([command, "--help"]).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let limits = text.matches("Memory limit, also --memory").count();
+        assert!(limits == 1 && text.contains(said), "{command}");
     }
 }

@@ -356,7 +356,7 @@ fn zaragoza(file: &File) -> Result<Layout> {
         axes,
         doubt: None,
         unsaid: "say in `axes` \"C T S H W\" (colours, times, bounces, points), \"C T S H W L L\" (and points that the laser lights), or \
-                 what the reverse is: \"H W S T C\", \"L L H W S T C\""
+                 the reverse: \"H W S T C\", \"L L H W S T C\""
             .into(),
         columns: None,
         without_alpha: false,
@@ -377,7 +377,7 @@ fn phasor_fields(file: &File) -> Result<Layout> {
         true,
     )?;
     let mut notes = vec![
-        "phasor-field data: a picture of the points that the laser lit, as the camera's one point would light them".into(),
+        "phasor-field data: a picture of the points that the laser lit, with source and sensor exchanged".into(),
     ];
     let start = file.number("dataset/t0")?;
     Ok(Layout {

@@ -21,8 +21,9 @@ pub fn table(comparison: &Comparison) -> String {
     if let Some(flip) = &comparison.flip {
         let kind = match flip.exposures {
             Some([a, b]) => format!(
-                "HDR, {} exposures from {a:+.2} to {b:+.2} stops{}",
+                "HDR, {} exposure{} from {a:+.2} to {b:+.2} stops{}",
                 flip.steps,
+                if flip.steps == 1 { "" } else { "s" },
                 match flip.stops_apart() {
                     Some(apart) => format!(", {apart:.1} apart"),
                     None => String::new(),

@@ -10,6 +10,9 @@
 set -euo pipefail
 references=${1:?a folder of references} candidates=${2:?a folder of candidates}
 shift 2
+for folder in "$references" "$candidates"; do
+  [ -d "$folder" ] || { echo "$folder is not a folder" >&2; exit 2; }
+done
 light=(--tolerance relrmse=0.05)
 surfaces=(--tolerance geometric.p99=0.1 --tolerance coverage=0.99 --tolerance time.p99=0.05 --tolerance w.p99=0.01 "${light[@]}")
 # Channels of surfaces that no other limit is about; at edges of triangles a few pixels show the next one.
@@ -46,4 +49,5 @@ for reference in "$references"/*.exr "$references"/*.npz "$references"/*.npy "$r
 done
 [ "$compared" -eq 1 ] && noun=picture || noun=pictures
 echo "$compared $noun compared, $failed failed"
+[ "$compared" -gt 0 ] || echo "$references holds no .exr, .npz, .npy or .png" >&2
 [ "$compared" -gt 0 ] && [ "$failed" -eq 0 ]

@@ -7,6 +7,7 @@ use nullray::Result;
 use nullray::figures::drawing::{self, png};
 use nullray::io::budget::Budget;
 use nullray::io::image::{self, exr};
+use nullray::render::aov::Aov;
 use nullray::scene::Overrides;
 use nullray::scene::model::Scene;
 use nullray::spacetime::SPEED_OF_LIGHT;
@@ -33,6 +34,7 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
 fn run_here(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments, &[])?;
     let (budget, [reference, candidate]) = pair(arguments)?;
+    check_effects(arguments, [&reference, &candidate])?;
     let scene = scene(arguments, &reference)?;
     if let Some(scene) = scene
         .as_ref()
@@ -65,6 +67,36 @@ fn run_here(arguments: &CompareArguments) -> Result<Done> {
         true => Done::Well,
         false => Done::OutOfBounds,
     })
+}
+
+/// Refuses options that would change nothing for these pictures.
+fn check_effects(arguments: &CompareArguments, pair: [&Picture; 2]) -> Result<()> {
+    let has = |picture: &Picture, aov: Aov| picture.layers.channel(aov.name()).is_some();
+    let both = |aov| pair.iter().all(|picture| has(picture, aov));
+    let either = |aov| pair.iter().any(|picture| has(picture, aov));
+    let is_png = |path: &PathBuf| extension(path) == "png";
+    let has_png = is_png(&arguments.reference) || is_png(&arguments.candidate);
+    let checks = [
+        (
+            "--transfer",
+            arguments.transfer.is_some() && !has_png,
+            "neither picture is a .png, whose encoding it says",
+        ),
+        (
+            "--bin-width",
+            arguments.bin_width.is_some() && !both(Aov::EventCt) && !both(Aov::ObjectEventCt),
+            "no channel event.ct (or object_event.ct) is in both pictures, whose errors it counts",
+        ),
+        (
+            "--no-hit",
+            arguments.no_hit.is_some() && !either(Aov::Object) && !either(Aov::Primitive),
+            "neither picture has a channel object or primitive, in which it stands",
+        ),
+    ];
+    match checks.into_iter().find(|(_, is_vain, _)| *is_vain) {
+        Some((option, _, what)) => Err(refused(option, what, "leave it out")),
+        None => Ok(()),
+    }
 }
 
 /// The JSON output: the comparison, and the limits that it exceeds.

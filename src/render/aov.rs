@@ -130,7 +130,7 @@ aovs! {
     Distance, "distance", MeanOfHits, "world distance from the pinhole event to the emission event, metres",
         "s of E = P + s (−η, d)";
     WavelengthRatio, "wavelength_ratio", MeanOfHits, "observed / emitted wavelength",
-        "W = (κ·u_k)/(κ·u_camera), κ = (−1, d), u the four-velocities, a·b = a_x b_x + a_y b_y + a_z b_z − a_ct b_ct";
+        "W = (κ·u_k)/(κ·u_camera), κ = (−1, d), u the four-velocities (W₀ (κ·u_k) of an `unaberrated` camera), a·b = a_x b_x + a_y b_y + a_z b_z − a_ct b_ct";
     NormalX, "normal.x", MeanOfHits, "geometric normal in the object's rest frame, x",
         "x of (b − a) × (c − a), normalised";
     NormalY, "normal.y", MeanOfHits, "geometric normal in the object's rest frame, y",

@@ -257,3 +257,56 @@ fn a_study_that_does_not_fit_beside_the_program_is_refused_before_it_begins() {
     let error = study(&parsed(SCENE), &options(220 << 20), &Silent).unwrap_err();
     assert!(error.to_string().contains("more than the limit"), "{error}");
 }
+
+#[test]
+fn memory_is_that_of_what_holds_the_picture_whatever_was_measured_before() {
+    let methods = ["trace", "raster:none", "raster:uniform=0.1"];
+    let [there, back] = [
+        methods.join(";"),
+        methods
+            .map(String::from)
+            .into_iter()
+            .rev()
+            .collect::<Vec<_>>()
+            .join(";"),
+    ]
+    .map(|methods| studied(&methods));
+    // Three numbers of eight bytes for each pixel.
+    let film = 64 * 48 * 3 * 8;
+    assert_eq!(entry(&there, "trace", 1).memory, Some(film));
+    assert_eq!(entry(&there, "trace", 4).memory, Some(film));
+    for method in methods {
+        let memory = |study| entry(study, method, 1).memory.unwrap();
+        assert_eq!(memory(&there), memory(&back), "{method}");
+    }
+    // 12 triangles of a cube and 2 of a floor, and those that these are cut into.
+    let [none, cut] =
+        ["raster:none", "raster:uniform=0.1"].map(|m| entry(&there, m, 1).memory.unwrap() - film);
+    assert!((1000..20_000).contains(&none), "{none}");
+    assert!(cut > 20 * none, "{none} {cut}");
+    assert_eq!(entry(&there, "trace", 1).once_bytes, there.once.tree_bytes);
+    // 8 + 4 vertices of 32 bytes, and 14 triples of indices.
+    assert_eq!(there.once.vertex_bytes, 12 * 32 + 14 * 12);
+    assert_eq!(
+        entry(&there, "raster:none", 4).once_bytes,
+        there.once.vertex_bytes
+    );
+    assert!(table(&there).contains("once MB"));
+    assert!(csv(&there).lines().next().unwrap().contains("once_bytes"));
+}
+
+#[test]
+fn one_run_names_no_fastest_method() {
+    let options = StudyOptions {
+        runs: 1,
+        ..options("trace; raster:adaptive=0.05")
+    };
+    let study = study(&parsed(SCENE), &options, &Silent).unwrap();
+    let is_it = |v: &&Verdict| v.pixels == 0.1 && v.samples == 1;
+    let verdict = study.verdicts.iter().find(is_it).unwrap();
+    assert_eq!((verdict.runs, &verdict.fastest), (1, &None));
+    let table = table(&study);
+    assert!(table.contains("one run has no spread"), "{table}");
+    assert!(table.contains("times that in one run"), "{table}");
+    assert!(!table.contains("quartiles"), "{table}");
+}

@@ -34,6 +34,16 @@ pub(super) struct Batch {
 }
 
 impl Batch {
+    /// The bytes of its lists.
+    pub fn bytes(&self) -> u64 {
+        let lists = size_of_val::<[_]>(&self.cuts)
+            + size_of_val::<[_]>(&self.places)
+            + size_of_val::<[_]>(&self.pieces)
+            + size_of_val::<[_]>(&self.bins.starts)
+            + size_of_val::<[_]>(&self.bins.triangles);
+        lists as u64
+    }
+
     /// The corners of a piece, where `shared` are the vertices of its frame.
     #[inline(always)]
     pub fn corners<'a>(&'a self, shared: &'a [Vertex], piece: &Piece) -> [&'a Vertex; 3] {
@@ -220,6 +230,11 @@ impl TileBatches {
             starts,
             batches: sorted,
         }
+    }
+
+    /// The bytes of its lists.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val::<[_]>(&self.starts) + size_of_val::<[_]>(&self.batches)) as u64
     }
 
     /// The batches for the tile of this index, in order.

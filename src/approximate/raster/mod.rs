@@ -72,7 +72,7 @@ use crate::render::progress::Progress;
 /// in the medium, and colours without sampled spectra; warps need objects that rest in the world. Parameters that no text of a method
 /// could have. Triangles cut at more than 2²⁴ points. [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
 pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Result<Film> {
-    rendered(scene, method, None, progress)
+    Ok(counted(scene, method, None, progress)?.0)
 }
 
 /// The same picture in the memory of `film`, as by [`render_over`](crate::render::render_over).
@@ -85,37 +85,45 @@ pub fn render_over(
     film: Film,
     progress: &dyn Progress,
 ) -> Result<Film> {
-    rendered(scene, method, Some(film), progress)
+    Ok(counted(scene, method, Some(film), progress)?.0)
 }
 
-fn rendered(
+/// The picture, in the memory of `over` if given, and the bytes that the method holds for it beside the scene and the film: vertices and
+/// triangles, or texels.
+pub(crate) fn counted(
     scene: &Prepared,
     method: &Method,
     over: Option<Film>,
     progress: &dyn Progress,
-) -> Result<Film> {
+) -> Result<(Film, u64)> {
     method.check_numbers()?;
     let light = scene.light.time_resolved();
     if *method != Method::Trace && light.is_some_and(|light| light.spectra.is_some()) {
         return Err(method::samples_spectra("scene"));
     }
-    match method {
-        Method::Trace => match over {
-            Some(film) => render::render_over(scene, film, progress),
-            None => render::render(scene, progress),
-        },
+    let (film, bytes) = match method {
+        Method::Trace => {
+            let film = match over {
+                Some(film) => render::render_over(scene, film, progress),
+                None => render::render(scene, progress),
+            };
+            (film?, 0)
+        }
         Method::Raster(raster) => {
             let observer = Observer::new(scene)?;
             let drawn = triangles::Triangles::new(scene, &observer, raster, progress)?;
-            match even::Even::new(scene, &drawn) {
+            let film = match even::Even::new(scene, &drawn) {
                 Some(even) => draw::paint(scene, tile::MOST_TOGETHER, &even, over, progress),
                 None => draw::film(scene, &drawn, over, progress),
-            }
+            };
+            (film?, drawn.bytes())
         }
         Method::Warp(warp) => {
             scene.camera.view.point().ok_or_else(apart)?;
             let looked_up = warp::Warped::new(scene, warp, progress)?;
-            draw::film(scene, &looked_up, over, progress)
+            let film = draw::film(scene, &looked_up, over, progress)?;
+            (film, looked_up.bytes())
         }
-    }
+    };
+    Ok((film, bytes))
 }

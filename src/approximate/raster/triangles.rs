@@ -57,6 +57,13 @@ impl<'a> Triangles<'a> {
         self.attributes == Attributes::Vertex
     }
 
+    /// The bytes of its vertices and of its triangles, by tiles.
+    pub fn bytes(&self) -> u64 {
+        let seen = self.seen.iter().map(|seen| size_of_val::<[_]>(seen) as u64);
+        let batches = self.batches.iter().map(Batch::bytes);
+        seen.chain(batches).sum::<u64>() + self.by_tile.bytes()
+    }
+
     /// The data from which tiles are painted.
     pub fn pieces(&self) -> Pieces<'_> {
         Pieces {

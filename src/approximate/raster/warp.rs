@@ -31,6 +31,11 @@ pub(super) struct Warped {
 }
 
 impl Warped {
+    /// The bytes of its texels.
+    pub fn bytes(&self) -> u64 {
+        size_of_val::<[_]>(&self.texels) as u64
+    }
+
     /// Traces all texels of the map of `warp`.
     pub fn new(scene: &Prepared, warp: &Warp, progress: &dyn Progress) -> Result<Self> {
         let moving = scene.frames.iter().find(|f| !f.frame.velocity().is_rest());

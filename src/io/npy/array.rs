@@ -86,18 +86,25 @@ pub(super) fn read_list(stored: &mut Stored, file: &Path, budget: &Budget) -> Re
     array.numbers()
 }
 
-/// Reads an array with a single text (`<U…`, shape ()).
+/// Reads an array with a single text (`<U…` or `>U…`; shape (), or (1), which NumPy makes of it in Fortran order).
 pub(super) fn text(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<String> {
     let mut array = Array::open(stored, file, budget)?;
     let Dtype::Other(descr) = &array.header.dtype else {
         return Err(unsupported(&array.stored.place, "is not a single text"));
     };
-    let length = descr.strip_prefix("<U").and_then(|n| n.parse().ok());
-    let Some(length) = length.filter(|_| array.header.shape.is_empty()) else {
+    type Character = fn([u8; 4]) -> u32;
+    let orders: [(&str, Character); 2] = [("<U", u32::from_le_bytes), (">U", u32::from_be_bytes)];
+    let of_order = |(prefix, character): (&str, Character)| {
+        let length: usize = descr.strip_prefix(prefix)?.parse().ok()?;
+        Some((length, character))
+    };
+    let found = orders.into_iter().find_map(of_order);
+    let is_single = array.header.shape.iter().all(|n| *n == 1);
+    let Some((length, character)) = found.filter(|_| is_single) else {
         return Err(unsupported(&array.stored.place, "is not a single text"));
     };
     array.count = length;
-    let characters = array.samples(|c| char::from_u32(u32::from_le_bytes(c)))?;
+    let characters = array.samples(|c| char::from_u32(character(c)))?;
     let text: Option<String> = characters.into_iter().collect();
     Ok(text.unwrap_or_default().trim_end_matches('\0').to_string())
 }

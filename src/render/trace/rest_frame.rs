@@ -39,6 +39,16 @@ pub(crate) struct SharedVertices {
     pub longest: Vec<f64>,
 }
 
+impl SharedVertices {
+    /// The bytes of its lists.
+    pub fn bytes(&self) -> u64 {
+        let lists = size_of_val::<[_]>(&self.positions)
+            + size_of_val::<[_]>(&self.corners)
+            + size_of_val::<[_]>(&self.longest);
+        lists as u64
+    }
+}
+
 /// A run of triangles of one object with one emitter.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

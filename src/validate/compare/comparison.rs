@@ -7,7 +7,7 @@ use super::diagnose::{self, Diagnosis};
 use super::errors::{Errors, Sums};
 use super::flip::{self, Flip};
 use super::geometry::{Field, Search};
-use super::known::{self, KnownScene};
+use super::known::{self, Contradiction, KnownScene};
 use super::matching::{self, Uncompared};
 use super::options::{CompareOptions, Region};
 use super::picture::{Encoding, Picture, Plane, RADIANCE, is_auxiliary, is_light};
@@ -209,17 +209,22 @@ fn known_of(
     let known = KnownScene::of(scene);
     // A sky without objects has no points.
     let has_points = has_points && !scene.objects.is_empty();
-    match &known {
-        Some(known) if has_points && !known.is_that_of(points) => {
-            let what = format!(
-                "it is not a picture of {}: its points are not where that scene says",
-                scene.name
-            );
-            let help = "name the scene that the reference shows, at the time of its shot";
-            Err(Error::invalid(&reference.name, "scene", what, help))
+    let contradiction = known
+        .as_ref()
+        .filter(|_| has_points)
+        .and_then(|known| known.contradiction(points));
+    let Some(contradiction) = contradiction else {
+        return Ok(known);
+    };
+    let where_not = match contradiction {
+        Contradiction::Points => "its points are not where that scene says".into(),
+        Contradiction::Object(k) => {
+            format!("the points of object {k} are not where that scene says")
         }
-        _ => Ok(known),
-    }
+    };
+    let what = format!("it is not a picture of {}: {where_not}", scene.name);
+    let help = "name the scene that the reference shows, at the time of its shot";
+    Err(Error::invalid(&reference.name, "scene", what, help))
 }
 
 /// Sums of the errors of all channels, with the numbers of samples that are finite in only one picture.

@@ -10,13 +10,15 @@
 //! and correct beyond silhouettes, too. It is measured relative to π(X) of the reference's own point X, so that pictures sampled elsewhere
 //! than at pixel centres are compared with what they show.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::picture::{Picture, Plane, is_identity};
-use super::points::{OBJECT_POINT, Points, place};
+use super::points::{OBJECT_POINT, Points, around, place};
+use super::surface::FEWEST_OF_OBJECT;
 use crate::camera::{AnyProjection, Projection, Shot};
 use crate::error::Result;
 use crate::io::image::{Channel, Layers, Samples};
@@ -44,6 +46,8 @@ pub struct KnownScene {
     objects: Vec<InertialFrame<Rest>>,
     /// How the points of each object are seen in the world; `None` for those that outrun light.
     views: Vec<Option<ObjectView>>,
+    /// Whether objects are contracted in the world.
+    contracts: bool,
 }
 
 /// How the points of an object are seen in the world: along the boosted c, of the head of this module.
@@ -125,6 +129,8 @@ pub(super) enum Change {
     Reversed(usize),
     /// Two objects have each other's velocity.
     Swapped(usize, usize),
+    /// Objects are not contracted: their matrices lack γ.
+    Uncontracted,
 }
 
 /// Where an origin is at the time `ct`. The null vectors (|r|, r) of the future light cone have in a frame that moves at β the directions that
@@ -269,6 +275,7 @@ impl KnownScene {
                 .map(|(velocity, origin)| InertialFrame::new(velocity, origin))
                 .collect(),
             views: Vec::new(),
+            contracts: true,
         };
         Some(scene.with_views())
     }
@@ -316,6 +323,8 @@ impl KnownScene {
                 set(j, of_k);
                 set(k, of_j);
             }
+            Change::Uncontracted if self.velocities().all(Velocity::is_rest) => return None,
+            Change::Uncontracted => changed.contracts = false,
         }
         let changed = changed.with_views();
         (changed != *self).then_some(changed)
@@ -411,6 +420,15 @@ impl KnownScene {
     /// size, or is seen twice.
     pub(super) fn film_point(&self, k: usize, p: DVec3) -> Option<DVec2> {
         let view = self.views.get(k)?.as_ref()?;
+        // A body that is not contracted is one that is γ times as long in its rest frame.
+        let p = match self.contracts {
+            true => p,
+            false => {
+                let velocity = self.objects[k].velocity();
+                let (n, _) = velocity.split();
+                p + n * (n.dot(p) * (velocity.gamma() - 1.0))
+            }
+        };
         self.film_point_along(view.direction(p)?)
     }
 
@@ -513,19 +531,51 @@ impl KnownScene {
         self.film_point(k, p)
     }
 
-    /// Whether the `points` of a reference are seen where this scene predicts: the median of their distances from pixel centres is below
-    /// 3/4, the most that samples elsewhere in pixels can cause.
+    /// Whether the `points` of a reference are seen where this scene predicts: see [`KnownScene::contradiction`].
     pub(super) fn is_that_of(&self, points: &Points) -> bool {
-        let [width, height] = points.size();
-        let off = |i: usize| {
-            let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-            Some((self.place(points, i)? - centre).length())
-        };
-        let pixels = (0..width * height).into_par_iter();
-        let mut distances: Vec<f64> = pixels.filter_map(off).collect();
-        let middle = distances.len() / 2;
-        // Half of a pixel's diagonal is 0.71: anything farther off is seen in another pixel.
-        middle < distances.len()
-            && *distances.select_nth_unstable_by(middle, f64::total_cmp).1 < 0.75
+        self.contradiction(points).is_none()
     }
+
+    /// What of the `points` of a reference is not seen where this scene predicts, if anything. The median of their distances from pixel
+    /// centres has to be below 3/4, the most that samples elsewhere in pixels can cause: of all of them, and of those of each object, but
+    /// for its rims, where points may be means over several surfaces.
+    pub(super) fn contradiction(&self, points: &Points) -> Option<Contradiction> {
+        let size = points.size();
+        let off = |i: usize| {
+            let centre = DVec2::new((i % size[0]) as f64 + 0.5, (i / size[0]) as f64 + 0.5);
+            let (k, p) = self.point(points, i)?;
+            let id = points.object_at(i);
+            let is_inside = around(size, i).all(|j| points.object_at(j) == id);
+            Some((k, (self.film_point(k, p)? - centre).length(), is_inside))
+        };
+        let pixels = (0..size[0] * size[1]).into_par_iter();
+        let all: Vec<(usize, f64, bool)> = pixels.filter_map(off).collect();
+        // Half of a pixel's diagonal is 0.71: anything farther off is seen in another pixel.
+        let is_off = |mut distances: Vec<f64>| {
+            let middle = distances.len() / 2;
+            let (_, median, _) = distances.select_nth_unstable_by(middle, f64::total_cmp);
+            *median >= 0.75
+        };
+        if all.is_empty() || is_off(all.iter().map(|(_, off, _)| *off).collect()) {
+            return Some(Contradiction::Points);
+        }
+        let mut objects = BTreeMap::<usize, Vec<f64>>::new();
+        for (k, off, _) in all.iter().filter(|(.., is_inside)| *is_inside) {
+            objects.entry(*k).or_default().push(*off);
+        }
+        objects.retain(|_, off| off.len() as u64 >= FEWEST_OF_OBJECT);
+        let mut wrong = objects
+            .into_iter()
+            .filter_map(|(k, off)| is_off(off).then_some(k));
+        wrong.next().map(Contradiction::Object)
+    }
+}
+
+/// What of a reference is not where a scene says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Contradiction {
+    /// Most of its points, or all.
+    Points,
+    /// The points of the object with this index.
+    Object(usize),
 }

@@ -560,7 +560,11 @@ fn usable(
         );
     }
     if dropped > 0 {
-        notes.push(format!("{dropped} pixels do not count, in any channel: their light is not finite in one of the pictures").into());
+        let words = match dropped {
+            1 => "1 pixel does not count, in any channel: its".into(),
+            n => format!("{n} pixels do not count, in any channel: their"),
+        };
+        notes.push((words + " light is not finite in one of the pictures").into());
     }
     let crop = None;
     Ok(Region {
@@ -650,10 +654,11 @@ impl Unusable {
         let kinds: Vec<String> = (kinds.iter().filter(|(n, _)| *n > 0))
             .map(|(n, kind)| format!("{n} {kind}"))
             .collect();
-        format!(
-            "{} samples (the first at column {x}, row {y})",
-            kinds.join(" and ")
-        )
+        let kinds = kinds.join(" and ");
+        match self.nan + self.infinite {
+            1 => format!("{kinds} sample (at column {x}, row {y})"),
+            _ => format!("{kinds} samples (the first at column {x}, row {y})"),
+        }
     }
 
     fn refusal(&self, picture: &Picture, channel: &Channel) -> Error {

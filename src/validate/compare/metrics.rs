@@ -319,17 +319,26 @@ impl Metric {
                 let Some(values) = comparison.surface.as_ref().and_then(values) else {
                     return Vec::new();
                 };
-                let line = |&(unit, scale): &(&str, f64)| (heading, spread(values, unit, scale));
+                let line = |&(unit, scale): &(&str, f64)| {
+                    (heading, spread(comparison, values, unit, scale))
+                };
                 units.iter().map(line).collect()
             }
         }
     }
 }
 
+/// A number of things: "1 pixel", "2 pixels".
+fn counted(n: u64, noun: &str) -> String {
+    let s = if n == 1 { "" } else { "s" };
+    format!("{n} {noun}{s}")
+}
+
 fn wrong_objects(comparison: &Comparison) -> Option<String> {
     let share = comparison.surface.as_ref()?.wrong_objects?;
     let percent = 100.0 * share.pixels as f64 / share.of.max(1) as f64;
-    Some(format!("{} pixels ({} %)", share.pixels, number(percent)))
+    let pixels = counted(share.pixels, "pixel");
+    Some(format!("{pixels} ({} %)", number(percent)))
 }
 
 fn coverage(comparison: &Comparison) -> Option<String> {
@@ -345,16 +354,17 @@ fn coverage(comparison: &Comparison) -> Option<String> {
 
 fn silhouette(comparison: &Comparison) -> Option<String> {
     let silhouette = comparison.surface.as_ref()?.silhouette?;
+    // An area over a length: more than any distance where objects are missing.
     let [mean, length] = [silhouette.mean, silhouette.length].map(number);
     let largest = silhouette.largest.map_or(NONE.into(), number);
     Some(format!(
-        "mean {mean} px, largest {largest} px, over {length} px"
+        "moved area {mean} px² per px of outlines, over {length} px; farthest {largest} px"
     ))
 }
 
-fn spread((bias, d): Values, unit: &str, scale: f64) -> String {
+fn spread(comparison: &Comparison, (bias, d): Values, unit: &str, scale: f64) -> String {
     let Some(summary) = &d.summary else {
-        return format!("none: {}", nothing(d));
+        return format!("none: {}", nothing(comparison, d));
     };
     // Only here are numbers scaled to other units: those in JSON stay in metres.
     let values = [summary.mean, summary.p50, summary.p99, summary.max];
@@ -365,15 +375,27 @@ fn spread((bias, d): Values, unit: &str, scale: f64) -> String {
     let unmeasured = match (d.unmeasured, gaps(d)) {
         (_, Some(gaps)) => format!("; {gaps}"),
         (0, None) => String::new(),
+        (1, None) => "; 1 pixel has none".into(),
         (n, None) => format!("; {n} pixels have none"),
     };
     format!("{bias}mean {mean}, p50 {p50}, p99 {p99}, max {max} {unit}{unmeasured}")
 }
 
 /// Why a distribution is empty.
-fn nothing(d: &Distribution) -> String {
+fn nothing(comparison: &Comparison, d: &Distribution) -> String {
+    let Uncompared {
+        only_reference,
+        only_candidate,
+    } = &comparison.uncompared;
+    let object = Aov::Object.name();
+    let has_object = |names: &[String]| names.iter().any(|name| name == object);
+    let lacks = |who: &str| {
+        format!("the {who} lacks the channel {object}, which says whose points it shows")
+    };
     match d.unmeasured {
         0 => "no pixel shows the same object in both pictures".into(),
+        _ if has_object(only_reference) => lacks("candidate"),
+        _ if has_object(only_candidate) => lacks("reference"),
         n => format!("it cannot be measured at any of the {n} pixels of the same object"),
     }
 }
@@ -543,20 +565,20 @@ impl std::fmt::Display for Breach {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Tolerance { metric, value } = &self.tolerance;
         let limit = match Name::of(metric).map(|name| name.better()) {
-            Some(Better::Larger) => "least",
-            Some(Better::Smaller) | None => "most",
+            Some(Better::Larger) => "must be at least",
+            Some(Better::Smaller) | None => "may be at most",
         };
         match &self.found {
             Measured::Value(found) => {
                 // The digits of the table, unless they are the same as those of the limit.
                 let digits = Some(number(*found)).filter(|digits| *digits != number(*value));
                 let found = digits.unwrap_or_else(|| found.to_string());
-                write!(f, "{metric} is {found}, and may be at {limit} {value}")
+                write!(f, "{metric} is {found}, and {limit} {value}")
             }
             Measured::Nothing(why) => {
                 write!(
                     f,
-                    "{metric} may be at {limit} {value}, and could not be computed: {why}"
+                    "{metric} {limit} {value}, and could not be computed: {why}"
                 )
             }
         }
@@ -666,11 +688,11 @@ impl<'a> Name<'a> {
                 Some((bias, d)) => match (self.part, gaps(d)) {
                     // Counts themselves state how much was measured.
                     (Some((_, Better::Larger, of)), _) | (Some((UNMEASURED, _, of)), _) => {
-                        settled(of(d), || nothing(d))
+                        settled(of(d), || nothing(comparison, d))
                     }
                     (_, Some(gaps)) if d.count > 0 => Measured::Nothing(gaps.into()),
-                    (Some((_, _, of)), _) => settled(of(d), || nothing(d)),
-                    (None, _) => settled(bias, || nothing(d)),
+                    (Some((_, _, of)), _) => settled(of(d), || nothing(comparison, d)),
+                    (None, _) => settled(bias, || nothing(comparison, d)),
                 },
             },
         })

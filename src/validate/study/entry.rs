@@ -55,6 +55,8 @@ pub struct Once {
     pub tree_bytes: u64,
     /// Seconds to find the distinct vertices, which rasterizers need.
     pub vertex_seconds: f64,
+    /// Bytes of the distinct vertices.
+    pub vertex_bytes: u64,
 }
 
 /// A method that cannot render the scene.
@@ -91,7 +93,9 @@ pub struct Entry {
     pub timing: Option<Timing>,
     /// Seconds spent once: the part of [`Once`] that the method needs.
     pub once_seconds: f64,
-    /// The largest growth of memory, bytes, beyond what was built once.
+    /// Bytes of what it needs of that.
+    pub once_bytes: u64,
+    /// Bytes of the film, and of a rasterizer's vertices and triangles or a warp's texels; `None` if there is no picture.
     pub memory: Option<u64>,
     /// The geometric error, a property of the method.
     pub geometry: GeometricError,
@@ -134,7 +138,7 @@ pub struct Verdict {
     /// Samples per pixel.
     pub samples: u32,
     /// Which of the ray tracer (in either precision), rasterizers and warps is fastest; `None` if the quartiles of the ratio of the two
-    /// fastest include 1.
+    /// fastest include 1, or if there is one run only, which has no spread.
     pub fastest: Option<String>,
     /// The ray tracer's time, seconds.
     pub trace: Option<f64>,

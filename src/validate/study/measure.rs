@@ -1,13 +1,12 @@
 //! The measurement: a reference, the geometry of every method, then rounds of timed pictures.
 
-use std::fs;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use super::entry::{Entry, Family, Front, LeftOut, Once, Reference, Study, Timing, Verdict};
 use super::errors::{self, GeometricError, RadianceError};
 use super::options::{StudyOptions, Subject};
-use super::statistics::{front, quantile};
+use super::statistics::{front, quantile, within};
 use crate::accel::Preset;
 use crate::approximate::projection::Observer;
 use crate::approximate::raster;
@@ -57,7 +56,7 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
         None,
         progress,
     )?;
-    let truth = errors::picture("reference", &truth)?;
+    let truth = errors::picture("reference", &truth.0)?;
     let reference = Reference {
         samples: options.reference_samples,
         seconds: start.elapsed().as_secs_f64(),
@@ -125,22 +124,24 @@ fn once(prepared: &Prepared) -> Once {
     for frame in &prepared.frames {
         frame.shared_vertices();
     }
-    let trees = prepared.frames.iter().map(|frame| frame.bvh.bytes() as u64);
+    let vertex_seconds = start.elapsed().as_secs_f64();
+    let frames = prepared.frames.iter();
     Once {
         tree_seconds: prepared.built_in,
-        tree_bytes: trees.sum(),
-        vertex_seconds: start.elapsed().as_secs_f64(),
+        tree_bytes: frames.clone().map(|frame| frame.bvh.bytes() as u64).sum(),
+        vertex_seconds,
+        vertex_bytes: frames.map(|frame| frame.shared_vertices().bytes()).sum(),
     }
 }
 
-/// A picture with `samples` samples per pixel, in the memory of `over`.
+/// A picture with `samples` samples per pixel, in the memory of `over`, and the bytes that the method holds for it.
 fn picture(
     prepared: &mut Prepared,
     subject: &Subject,
     samples: u32,
     over: Option<Film>,
     progress: &dyn Progress,
-) -> Result<Film> {
+) -> Result<(Film, u64)> {
     prepared.layout.channels.clear();
     prepared.layout.samples = samples;
     prepared.layout.pixel_centers = false;
@@ -154,16 +155,16 @@ fn taken(
     subject: &Subject,
     over: Option<Film>,
     progress: &dyn Progress,
-) -> Result<Film> {
+) -> Result<(Film, u64)> {
     prepared.method.precision = subject.precision;
-    match over {
-        Some(film) => raster::render_over(prepared, &subject.method, film, progress),
-        None => raster::render(prepared, &subject.method, progress),
-    }
+    raster::counted(prepared, &subject.method, over, progress)
 }
 
-/// The methods that can render the scene, with their geometric errors, and those that cannot.
-type Able = (Vec<(Subject, GeometricError)>, Vec<LeftOut>);
+/// A method that can render the scene, its geometric error, and the seconds of the picture that shows it.
+type Shown = (Subject, GeometricError, f64);
+
+/// The methods that can render the scene, and those that cannot.
+type Able = (Vec<Shown>, Vec<LeftOut>);
 
 /// The geometric errors of all methods.
 fn geometries(
@@ -176,16 +177,21 @@ fn geometries(
     prepared.layout.samples = 1;
     prepared.layout.pixel_centers = true;
     prepared.sampler = Sampler::centred();
-    let exact = taken(prepared, &Subject::REFERENCE, None, progress)?;
+    let (exact, _) = taken(prepared, &Subject::REFERENCE, None, progress)?;
     let (mut able, mut left_out) = (Vec::new(), Vec::new());
     for subject in &options.methods {
+        let start = Instant::now();
         let able_to = subject.method.added_to(plan.clone());
         let film = able_to.and_then(|plan| {
             prepared.memory_left = plan.memory_left();
             taken(prepared, subject, None, progress)
         });
         match film {
-            Ok(film) => able.push((*subject, GeometricError::of(prepared, &film, &exact)?)),
+            Ok((film, _)) => {
+                let seconds = start.elapsed().as_secs_f64();
+                let error = GeometricError::of(prepared, &film, &exact)?;
+                able.push((*subject, error, seconds));
+            }
             Err(Error::Cancelled) => return Err(Error::Cancelled),
             Err(error) if options.methods.len() == 1 => return Err(error),
             Err(error) => left_out.push(LeftOut {
@@ -202,6 +208,8 @@ struct Job {
     subject: Subject,
     samples: u32,
     geometry: GeometricError,
+    /// The seconds that a run takes: of the last one, or estimated from the picture of the geometric error.
+    expected: f64,
     runs: Vec<f64>,
     setups: Vec<f64>,
     memory: Option<u64>,
@@ -214,12 +222,13 @@ struct Rounds {
 }
 
 impl Rounds {
-    fn new(options: &StudyOptions, able: &[(Subject, GeometricError)]) -> Self {
+    fn new(options: &StudyOptions, able: &[Shown]) -> Self {
         let of = |samples: &u32| {
-            let job = |(subject, geometry): &(Subject, GeometricError)| Job {
+            let job = |(subject, geometry, seconds): &Shown| Job {
                 subject: *subject,
                 samples: *samples,
                 geometry: *geometry,
+                expected: seconds * f64::from(*samples),
                 runs: Vec::new(),
                 setups: Vec::new(),
                 memory: None,
@@ -232,7 +241,8 @@ impl Rounds {
         }
     }
 
-    /// Runs round after round while the budget lasts; returns whether it ended them.
+    /// Runs round after round while the budget lasts; returns whether it ended them. The fast jobs come first, as many as have all their
+    /// runs within the budget; then the others, the faster ones first in each round.
     fn run(
         &mut self,
         prepared: &mut Prepared,
@@ -242,46 +252,54 @@ impl Rounds {
     ) -> Result<bool> {
         let start = Instant::now();
         let (mut cut, mut last) = (false, None);
-        for round in 0..options.runs as usize {
-            for k in 0..self.jobs.len() {
-                // Rounds start at different jobs, so that no job always follows the same one.
-                let index = if round == 0 {
-                    k
-                } else {
-                    (k + 7 * round) % self.jobs.len()
-                };
-                let left = options.budget.saturating_sub(start.elapsed());
-                if !self.is_worth_it(index, round, left) {
-                    cut = true;
-                    continue;
+        let runs = options.runs as usize;
+        let expected: Vec<f64> = self.jobs.iter().map(|job| job.expected).collect();
+        let (fast, slow) = within(&expected, options.budget.as_secs_f64() / runs as f64);
+        for (jobs, is_fast) in [(fast, true), (slow, false)] {
+            for round in 0..runs {
+                let mut jobs = jobs.clone();
+                match is_fast {
+                    // Rounds start at different jobs, so that no job always follows the same one.
+                    true => {
+                        let first = (7 * round) % jobs.len().max(1);
+                        jobs.rotate_left(first);
+                    }
+                    false => self.sort(&mut jobs),
                 }
-                let film = self.jobs[index].run(prepared, truth, last.take(), progress)?;
-                last = Some(film);
+                for index in jobs {
+                    let left = options.budget.saturating_sub(start.elapsed());
+                    if !self.is_worth_it(index, round, left) {
+                        cut = true;
+                        continue;
+                    }
+                    let film = self.jobs[index].run(prepared, truth, last.take(), progress)?;
+                    last = Some(film);
+                }
             }
         }
         Ok(cut)
     }
 
-    /// Whether the next run of a job is likely to end within `left`. A job without a known time is tried while there is time.
-    fn is_worth_it(&self, index: usize, round: usize, left: Duration) -> bool {
-        let job = &self.jobs[index];
-        let guess = match job.runs.last() {
-            Some(time) => Some(*time),
-            None if round > 0 => return false,
-            None => self.guess(job),
-        };
-        !left.is_zero() && guess.is_none_or(|seconds| seconds <= left.as_secs_f64())
+    /// Sorts jobs by the times that are expected of them.
+    fn sort(&self, jobs: &mut [usize]) {
+        jobs.sort_by(|a, b| self.jobs[*a].expected.total_cmp(&self.jobs[*b].expected));
     }
 
-    /// Estimated from the same method with fewer samples.
-    fn guess(&self, job: &Job) -> Option<f64> {
-        let is_fewer = |other: &&Job| other.subject == job.subject && other.samples < job.samples;
-        let last = self.jobs.iter().rfind(is_fewer)?;
-        // If a method was left out at fewer samples, it is left out at more.
-        let time = last.runs.last().copied().unwrap_or(f64::INFINITY);
-        Some(time * f64::from(job.samples) / f64::from(last.samples))
+    /// Whether the next run of a job is likely to end within `left`. An estimate may be far too large: a job without a run is tried while
+    /// half of that is left.
+    fn is_worth_it(&self, index: usize, round: usize, left: Duration) -> bool {
+        let job = &self.jobs[index];
+        let part = match (job.runs.is_empty(), round) {
+            (true, 0) => ESTIMATED,
+            (true, _) => return false,
+            (false, _) => 1.0,
+        };
+        !left.is_zero() && part * job.expected <= left.as_secs_f64()
     }
 }
+
+/// The part of the estimated time of a first run that must be left for it.
+const ESTIMATED: f64 = 0.5;
 
 impl Job {
     fn run(
@@ -291,22 +309,20 @@ impl Job {
         last: Option<Film>,
         progress: &dyn Progress,
     ) -> Result<Film> {
-        // As a sequence of frames does, pictures take the memory of the last one, but for the first, whose memory is measured.
-        let is_first = self.runs.is_empty();
-        let last = last.filter(|_| !is_first);
-        let before = is_first.then(ResidentMemory::now);
+        // As a sequence of frames does, pictures take the memory of the last one.
         let watch = Watch {
             progress,
             start: Instant::now(),
             first: OnceLock::new(),
         };
-        let film = picture(prepared, &self.subject, self.samples, last, &watch)?;
+        let (film, bytes) = picture(prepared, &self.subject, self.samples, last, &watch)?;
         let seconds = watch.start.elapsed().as_secs_f64();
+        self.expected = seconds;
         self.runs.push(seconds);
         self.setups
             .push(watch.first.get().copied().unwrap_or(seconds));
-        if let Some(before) = before {
-            self.memory = before.growth();
+        if self.radiance.is_none() {
+            self.memory = Some(prepared.layout.bytes() + bytes);
             self.radiance = Some(RadianceError::of(&film, truth)?);
         }
         Ok(film)
@@ -320,15 +336,17 @@ impl Job {
             runs: self.runs,
         });
         let family = Family::of(&self.subject);
+        let (once_seconds, once_bytes) = match family.is_raster() {
+            true => (once.vertex_seconds, once.vertex_bytes),
+            false => (once.tree_seconds, once.tree_bytes),
+        };
         Entry {
             method: self.subject.to_string(),
             family,
             samples: self.samples,
             timing,
-            once_seconds: match family.is_raster() {
-                true => once.vertex_seconds,
-                false => once.tree_seconds,
-            },
+            once_seconds,
+            once_bytes,
             memory: self.memory,
             geometry: self.geometry,
             radiance: self.radiance,
@@ -406,13 +424,16 @@ fn verdict(entries: &[Entry], pixels: f64, samples: u32) -> Verdict {
     }
 }
 
-/// The method that is faster than all others, if the quartiles of its ratio to the next say so.
+/// The method that is faster than all others, if the quartiles of its ratio to the next say so: those of one run say nothing.
 fn first(found: [Option<(&Entry, &Timing)>; 4]) -> Option<String> {
     let mut found: Vec<_> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| a.1.median.total_cmp(&b.1.median));
     let (entry, timing) = found.first()?;
     let is_first = match found.get(1) {
-        Some((_, next)) => ratios(timing, next)[2] < 1.0,
+        Some((_, next)) => {
+            let has_spread = timing.runs.len().min(next.runs.len()) > 1;
+            has_spread && ratios(timing, next)[2] < 1.0
+        }
         None => true,
     };
     is_first.then(|| entry.method.clone())
@@ -422,29 +443,4 @@ fn first(found: [Option<(&Entry, &Timing)>; 4]) -> Option<String> {
 fn ratios(a: &Timing, b: &Timing) -> [f64; 3] {
     let ratios: Vec<_> = a.runs.iter().zip(&b.runs).map(|(a, b)| a / b).collect();
     [0.5, 0.25, 0.75].map(|part| quantile(&ratios, part))
-}
-
-/// The resident memory of this process before some work, as Linux counts it.
-struct ResidentMemory(Option<u64>);
-
-impl ResidentMemory {
-    /// Records it, and resets the system's peak counter.
-    fn now() -> Self {
-        // If the counter cannot be reset, it may still hold an earlier peak.
-        let reset = fs::write("/proc/self/clear_refs", "5");
-        ResidentMemory(reset.ok().and_then(|()| status("VmRSS:")))
-    }
-
-    /// The largest growth of memory since then, bytes; `None` if it is not counted.
-    fn growth(&self) -> Option<u64> {
-        Some(status("VmHWM:")?.saturating_sub(self.0?))
-    }
-}
-
-/// A line of the process status, in KiB.
-fn status(name: &str) -> Option<u64> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024)
 }

@@ -11,8 +11,8 @@
 //! - *emission time error*: |Δct| of pixels that show the right object, metres;
 //! - *radiance error*: relRMSE, MRSE and ꟻLIP against a picture of the ray tracer with many samples, by the
 //!   definitions of [`crate::validate::compare`];
-//! - *memory*: the largest growth of the process's resident memory during the first run; known on Linux only, and an underestimate if
-//!   freed memory was reused.
+//! - *memory*: the bytes that hold a picture (the film, and a rasterizer's vertices and triangles or a warp's texels), and, separately,
+//!   those that hold what is built once. Buffers of threads, some hundred kilobytes each, are not counted.
 //!
 //! A result is on the (Pareto) *front* if no other is both faster and more accurate.
 

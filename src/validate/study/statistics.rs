@@ -24,9 +24,33 @@ pub(super) fn front(results: &[[f64; 2]]) -> Vec<bool> {
     results.iter().map(|r| finite(r) && unbeaten(r)).collect()
 }
 
+/// The indices of the shortest of these times whose sum is at most `most`, and those of the others; both in their order.
+pub(super) fn within(times: &[f64], most: f64) -> (Vec<usize>, Vec<usize>) {
+    let mut sorted: Vec<usize> = (0..times.len()).collect();
+    sorted.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
+    let mut sum = 0.0;
+    let is_within = |index: &&usize| {
+        sum += times[**index];
+        sum <= most
+    };
+    let count = sorted.iter().take_while(is_within).count();
+    let mut others = sorted.split_off(count);
+    sorted.sort_unstable();
+    others.sort_unstable();
+    (sorted, others)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{front, quantile};
+    use super::{front, quantile, within};
+
+    #[test]
+    fn the_shortest_times_are_within_the_sum() {
+        let times = [4.0, 1.0, 9.0, 2.0, 3.0];
+        assert_eq!(within(&times, 6.0), (vec![1, 3, 4], vec![0, 2]));
+        assert_eq!(within(&times, 0.5), (vec![], vec![0, 1, 2, 3, 4]));
+        assert_eq!(within(&times, f64::INFINITY).1, []);
+    }
 
     #[test]
     fn quantiles_lie_between_ranks() {

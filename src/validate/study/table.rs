@@ -9,7 +9,7 @@ use super::errors::RadianceError;
 type Column = (&'static str, fn(&Entry) -> String);
 
 /// The columns of [`csv`].
-const COLUMNS: [Column; 22] = [
+const COLUMNS: [Column; 23] = [
     ("method", |e| format!("\"{}\"", e.method)),
     ("family", |e| e.family.name().replace(',', "")),
     ("samples", |e| e.samples.to_string()),
@@ -22,6 +22,7 @@ const COLUMNS: [Column; 22] = [
     ("setup_seconds", |e| of_timing(e, |t| t.setup)),
     ("once_seconds", |e| number(e.once_seconds)),
     ("total_seconds", total),
+    ("once_bytes", |e| e.once_bytes.to_string()),
     ("memory_bytes", |e| {
         e.memory.map_or(String::new(), |bytes| bytes.to_string())
     }),
@@ -72,7 +73,7 @@ fn number(value: f64) -> String {
 /// All entries and verdicts, to read.
 pub fn table(study: &Study) -> String {
     let mut text = format!(
-        "{:<38} {:>7} {:>4} {:>10} {:>9} {:>9} {:>9} {:>7} {:>10} {:>10} {:>6} {:>9}\n",
+        "{:<38} {:>7} {:>4} {:>10} {:>9} {:>9} {:>9} {:>7} {:>7} {:>10} {:>10} {:>6} {:>9}\n",
         "method",
         "samples",
         "runs",
@@ -80,6 +81,7 @@ pub fn table(study: &Study) -> String {
         "± %",
         "first ms",
         "once ms",
+        "once MB",
         "MB",
         "px, 99 %",
         "px, max",
@@ -89,7 +91,7 @@ pub fn table(study: &Study) -> String {
     for entry in &study.entries {
         let _ = writeln!(text, "{}", row(entry));
     }
-    text.push_str("first: until the first tile is done, in ms; once: trees for tracing, distinct vertices for rasterizers\n");
+    text.push_str("first: until the first tile is done, in ms; once: trees for tracing, distinct vertices for rasterizers; MB: the film, and vertices and triangles, or texels\n");
     text.push_str("* no other method is both faster and more accurate (px, max; relRMSE)\n");
     for left_out in &study.left_out {
         let _ = writeln!(text, "{} was left out: {}", left_out.method, left_out.why);
@@ -115,17 +117,18 @@ fn row(entry: &Entry) -> String {
             )
         }
     };
-    let memory = entry.memory;
-    let memory = memory.map_or(String::new(), |bytes| format!("{:.1}", bytes as f64 / 1e6));
+    let megabytes = |bytes: u64| format!("{:.2}", bytes as f64 / 1e6);
+    let memory = entry.memory.map_or(String::new(), megabytes);
     let mark = |on: bool| if on { "*" } else { "" };
     let rel = entry
         .radiance
         .map_or(String::new(), |r| format!("{:.2e}", r.relrmse));
     format!(
-        "{:<38} {:>7} {runs:>4} {time:>10} {spread:>9} {first:>9} {:>9} {memory:>7} {:>10} {:>10} {:>6} {:>9}",
+        "{:<38} {:>7} {runs:>4} {time:>10} {spread:>9} {first:>9} {:>9} {:>7} {memory:>7} {:>10} {:>10} {:>6} {:>9}",
         entry.method,
         entry.samples,
         format!("{:.2}", 1e3 * entry.once_seconds),
+        megabytes(entry.once_bytes),
         format!("{:.2e}", entry.geometry.pixels.p99),
         format!(
             "{:.2e}{}",
@@ -162,17 +165,21 @@ fn sentence(verdict: &Verdict, study: &Study) -> String {
         (Some(method), _, true) => {
             format!("{method} is fastest of those measured before the budget ended")
         }
+        (None, ..) if verdict.runs == 1 => {
+            "one run has no spread, and names no fastest method".into()
+        }
         (None, ..) => "no method is significantly fastest".into(),
     };
     let ms = |time: f64| format!("{:.2} ms", 1e3 * time);
     let trace = verdict.trace.map_or("not measured".into(), ms);
     let raster = match (&verdict.raster, verdict.raster_over_trace) {
-        (Some((raster, time)), Some([ratio, low, high])) => format!(
-            "{raster} {}, {ratio:.2} times that (quartiles of {} {}: {low:.2} to {high:.2})",
-            ms(*time),
-            verdict.runs,
-            if verdict.runs == 1 { "run" } else { "runs" },
-        ),
+        (Some((raster, time)), Some([ratio, low, high])) => match verdict.runs {
+            1 => format!("{raster} {}, {ratio:.2} times that in one run", ms(*time)),
+            runs => format!(
+                "{raster} {}; run by run, {ratio:.2} times the ray tracer's time (median of {runs} runs; quartiles {low:.2} to {high:.2})",
+                ms(*time)
+            ),
+        },
         (Some((raster, time)), None) => format!("{raster} {}", ms(*time)),
         _ => "none of the measured rasterizers".into(),
     };

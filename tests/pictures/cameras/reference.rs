@@ -4,8 +4,9 @@
 //! aberration magnifies by 1/W, and W to that times γβ sin(angle).
 
 use glam::DVec3;
+use nullray::camera::CameraRay;
 use nullray::scene::model::{Assembly, Elements, Motion, Pivot, Rotation, Scene};
-use nullray::spacetime::{Event, Velocity};
+use nullray::spacetime::{Boost, CameraFrame, Event, Velocity, World};
 
 use super::bench_camera::{element, looking_along_z, sensor, start};
 use crate::common::table::{Row, rows};
@@ -29,9 +30,23 @@ fn note(row: &Row, scene: &Scene, worst: &mut [Worst; 3], allowed: impl Fn(f64) 
     let place = || format!("line {}", row.line);
     worst[0].note((ray.d.unit() - d).length(), allowed.direction, place);
     worst[1].note(ray.ratio / w - 1.0, allowed.ratio, place);
-    let p = Event::<nullray::spacetime::World>::new(row.number("Pct"), passage(row));
+    let p = Event::<World>::new(row.number("Pct"), passage(row));
     let off = (event.ct - p.ct).abs().max((event.x - p.x).length());
     worst[2].note(off, allowed.event, place);
+}
+
+/// Boosts the ray to the frame that moves with its element at this velocity, where the table has its direction as `c`. `allowed` is that of
+/// the world's direction: the boost scales small angles by W.
+fn note_comoving(row: &Row, ray: &CameraRay, velocity: Velocity, worst: &mut Worst, allowed: f64) {
+    let comoving = Boost::<CameraFrame, World>::new(-velocity);
+    let c = comoving.direction(ray.d).0.unit();
+    let (w, rapidity) = (row.number("W"), velocity.rapidity().length());
+    let of_boost = 16.0 * EPS * (1.0 + rapidity + w);
+    worst.note(
+        (c - row.vector("c")).length(),
+        allowed * w + of_boost,
+        || format!("line {}", row.line),
+    );
 }
 
 /// Where the light passed: the origin, unless the table says otherwise.
@@ -51,7 +66,7 @@ fn assert_within([d, w, p]: [Worst; 3], what: &str) {
 #[test]
 fn light_passes_the_pinhole_of_a_rigid_camera_before_it_reaches_the_sensor() {
     let mut worst = Default::default();
-    let [mut distance, mut reached] = [Worst::default(), Worst::default()];
+    let [mut distance, mut reached, mut own] = Default::default();
     let table = rows("pinhole_a.csv");
     assert_eq!(table.len(), 100);
     for row in &table {
@@ -82,7 +97,9 @@ fn light_passes_the_pinhole_of_a_rigid_camera_before_it_reaches_the_sensor() {
         let p = camera.shot.event + ray.origin.displacement;
         let (q, t) = (row.vector("Q"), row.number("Qct") - p.ct);
         let extent = q.length() + row.number("Qct").abs() + size;
-        let turned = 32.0 * EPS * (1.0 + w.length() + 1.0 / row.number("W")) * t.abs();
+        let of_direction = 32.0 * EPS * (1.0 + w.length() + 1.0 / row.number("W"));
+        note_comoving(row, &ray, scene.camera.velocity, &mut own, of_direction);
+        let turned = of_direction * t.abs();
         let of_event = 32.0
             * EPS
             * (1.0 + w.length())
@@ -95,13 +112,14 @@ fn light_passes_the_pinhole_of_a_rigid_camera_before_it_reaches_the_sensor() {
     }
     distance.assert_within("rigid: distances of elements");
     reached.assert_within("rigid: events of elements");
+    own.assert_within("rigid: directions in the camera's frame");
     assert_within(worst, "rigid");
 }
 
 #[test]
 fn light_finds_the_pinhole_that_accelerates_ahead_of_its_sensor() {
     let mut worst = Default::default();
-    let [mut speed, mut apart] = [Worst::default(), Worst::default()];
+    let [mut speed, mut apart, mut own] = Default::default();
     let table = rows("pinhole_b.csv");
     assert_eq!(table.len(), 100);
     for row in &table {
@@ -135,21 +153,26 @@ fn light_finds_the_pinhole_that_accelerates_ahead_of_its_sensor() {
             64.0 * EPS * gamma * gamma,
             place,
         );
+        let of_direction = 32.0 * EPS * (1.0 + gamma);
+        let velocity = Velocity::from_rapidity(DVec3::Z * g * row.number("tau")).unwrap();
+        let (_, ray) = element(&scene, row.number("px"), row.number("py"));
+        note_comoving(row, &ray, velocity, &mut own, of_direction);
         note(row, &scene, &mut worst, |ratio| Allowed {
-            direction: 32.0 * EPS * (1.0 + gamma),
+            direction: of_direction,
             ratio: 64.0 * EPS * (1.0 + gamma / ratio),
             event: 16.0 * EPS * (size + gamma * delay),
         });
     }
     speed.assert_within("Bell's ships: β");
     apart.assert_within("Bell's ships: comoving distance");
+    own.assert_within("Bell's ships: directions in the sensor's frame");
     assert_within(worst, "Bell's ships");
 }
 
 #[test]
 fn a_turning_sensor_sees_a_pinhole_at_rest() {
     let mut worst = Default::default();
-    let [mut look, mut shift] = [Worst::default(), Worst::default()];
+    let [mut look, mut shift, mut own] = Default::default();
     let table = rows("pinhole_c.csv");
     assert_eq!(table.len(), 200);
     for row in &table {
@@ -178,12 +201,14 @@ fn a_turning_sensor_sees_a_pinhole_at_rest() {
         let (_, ray) = element(&scene, row.number("px"), row.number("py"));
         let turned = (row.number("Om") * row.number("cts")).abs();
         let label = || format!("line {}", row.line);
-        look.note(
-            (ray.d.unit() - l).length(),
-            16.0 * EPS * (1.0 + turned),
-            label,
-        );
+        let of_direction = 16.0 * EPS * (1.0 + turned);
+        look.note((ray.d.unit() - l).length(), of_direction, label);
         let gamma = row.number("gamma");
+        // A speed known to an eps gives the rapidity to γ² of them.
+        let rapidity = v.length().atanh() * v.normalize_or_zero();
+        let velocity = Velocity::from_rapidity(rapidity).unwrap();
+        let of_speed = 16.0 * EPS * gamma * gamma / row.number("W");
+        note_comoving(row, &ray, velocity, &mut own, of_direction + of_speed);
         let ratio = 1.0 / (gamma * (1.0 + v.dot(l)));
         shift.note(
             ray.ratio / ratio - 1.0,
@@ -200,5 +225,6 @@ fn a_turning_sensor_sees_a_pinhole_at_rest() {
     }
     look.assert_within("turning: along −r");
     shift.assert_within("turning: 1/(γ (1 + v·l))");
+    own.assert_within("turning: directions in the element's frame");
     assert_within(worst, "turning");
 }

@@ -343,3 +343,31 @@ fn an_array_without_channels_is_refused() {
     let read = Picture::read(&path, Encoding::Linear, &Default::default());
     assert!(read.unwrap_err().to_string().contains("not a picture"));
 }
+
+#[test]
+fn metadata_of_any_byte_order_and_of_one_element_are_read() {
+    let json = "{\"quantity\": \"rgb\"}";
+    for (order, shape) in [("<", "()"), (">", "()"), ("<", "(1,)"), (">", "(1,)")] {
+        let header = header(&format!("{order}U{}", json.len()), "True", shape);
+        let mut text = b"\x93NUMPY\x01\x00".to_vec();
+        text.extend((header.len() as u16).to_le_bytes());
+        text.extend(header.bytes());
+        for character in json.chars().map(u32::from) {
+            text.extend(match order {
+                "<" => character.to_le_bytes(),
+                _ => character.to_be_bytes(),
+            });
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.npz");
+        let light = zeros("<f8", "(2, 3, 3)", 2 * 3 * 3 * 8);
+        archive_of(&path, &[("radiance", light), ("metadata", text)]);
+        let picture = Picture::read(&path, Encoding::Srgb, &Default::default()).unwrap();
+        let metadata = &picture.layers.metadata;
+        assert_eq!(
+            metadata[..],
+            [("quantity".into(), "rgb".into())],
+            "{order} {shape}"
+        );
+    }
+}

@@ -268,7 +268,7 @@ fn limits_on_what_could_not_be_computed_are_exceeded_and_say_why() {
             "a width of the bins (`bin_width`) and the channel event.ct in both",
         ),
         ("wrong_objects=15", "wrong_objects is 16"),
-        ("coverage=0.01", "coverage is 0, and may be at least 0.01"),
+        ("coverage=0.01", "coverage is 0, and must be at least 0.01"),
         ("geometric.count=1", "geometric.count is 0"),
         (
             "geometric.unmeasured=0",

@@ -7,6 +7,7 @@ mod by_light;
 mod false_names;
 mod first_versions;
 mod hidden_bugs;
+mod light_and_objects;
 mod light_and_sizes;
 mod metrics;
 mod one_object_or_camera;

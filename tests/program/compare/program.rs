@@ -433,3 +433,42 @@ fn help_says_what_a_memory_limit_does() {
         assert!(limits == 1 && text.contains(said), "{command}");
     }
 }
+
+#[test]
+fn options_without_effect_on_these_pictures_are_refused() {
+    let folder = folder();
+    for options in [
+        &["--transfer", "linear"][..],
+        &["--bin-width", "5 mm"],
+        &["--no-hit", "99"],
+    ] {
+        let output = run(
+            folder.path(),
+            &[&["exact.npz", "mine.npz"], options].concat(),
+        );
+        assert_eq!(code(&output), 2, "{options:?}");
+        assert!(message(&output).contains(options[0]), "{output:?}");
+        assert!(message(&output).contains("leave it out"), "{output:?}");
+    }
+    let pngs = ["exact.png", "mine.png", "--transfer", "linear"];
+    assert_eq!(code(&run(folder.path(), &pngs)), 0);
+}
+
+#[test]
+fn the_check_of_folders_says_why_it_fails() {
+    let folder = folder();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/ci/pictures.sh");
+    let check = |references: &str, candidates: &str| {
+        let mut command = Command::new("bash");
+        command.args([script, references, candidates]);
+        command.env("NULLRAY", env!("CARGO_BIN_EXE_nullray"));
+        command.current_dir(folder.path()).output().unwrap()
+    };
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    let missing = check("nosuch", "empty");
+    assert_eq!(code(&missing), 2);
+    assert!(text(&missing.stderr).contains("nosuch is not a folder"));
+    let empty = check("empty", "empty");
+    assert_eq!(code(&empty), 1);
+    assert!(text(&empty.stderr).contains("empty holds no .exr"));
+}

@@ -125,8 +125,7 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
     };
     // Times that hardly vary look shifted and scaled alike: a shift takes precedence.
     if time::shifted(case).is_none() {
-        found.extend(scale_of(case, Aov::EventCt));
-        found.extend(scale_of(case, Aov::ObjectEventCt));
+        found.extend(scales_of_times(case, &found));
         found.extend(signs());
     } else {
         found.extend(signs().into_iter().filter(leaves_nothing));
@@ -315,11 +314,26 @@ pub(super) fn units_of_places(case: &Case) -> Vec<Diagnosis> {
 
 /// Lengths and times in another known unit.
 pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
-    let others = [Aov::Distance, Aov::EventCt, Aov::ObjectEventCt];
-    let of_others = others.into_iter().filter_map(|aov| scale_of(case, aov));
     let mut found = units_of_places(case);
-    found.extend(of_others.filter(is_unit));
+    let mut others: Vec<Diagnosis> = scale_of(case, Aov::Distance).into_iter().collect();
+    others.extend(scales_of_times(case, &found));
+    found.extend(others.into_iter().filter(is_unit));
     found
+}
+
+/// Times in another unit, but for those of events whose places are `found` to be in the same: that names the group.
+fn scales_of_times(case: &Case, found: &[Diagnosis]) -> Vec<Diagnosis> {
+    let groups = [
+        (Aov::EventCt, "event"),
+        (Aov::ObjectEventCt, "object_event"),
+    ];
+    let scaled = groups.into_iter().filter_map(|(aov, group)| {
+        let of_times = scale_of(case, aov)?;
+        let of_places = of_times.what.to_string().replacen(aov.name(), group, 1);
+        let is_same = |found: &Diagnosis| found.what.to_string() == of_places;
+        (!found.iter().any(is_same)).then_some(of_times)
+    });
+    scaled.collect()
 }
 
 fn is_unit(found: &Diagnosis) -> bool {

@@ -163,6 +163,8 @@ const RANGE: f64 = 7.0;
 
 /// Light with a curve applied.
 fn toned(case: &Case) -> Option<Explanation> {
+    // The light of objects that are elsewhere differs by what moved them, which some curve may resemble.
+    (!case.shows_objects_elsewhere()).then_some(())?;
     let lit = lit(case)?;
     // Values that a display clips say nothing about the curve.
     let cut = |c: &[f64; 3]| c.contains(&0.0) || c.iter().any(|v| *v >= 1.0 - 1e-6);

@@ -7,7 +7,7 @@
 
 use super::super::picture::{Plane, RADIANCE};
 use super::super::points::around;
-use super::{Case, Diagnosis, FEWEST, Kind, NEAR, depth};
+use super::{Case, Diagnosis, FEWEST, Kind, NEAR, depth, median};
 use crate::render::aov::Aov;
 
 /// The quantities that may be bounded.
@@ -16,6 +16,9 @@ const BOUNDED: [&str; 3] = [
     "from the camera in its own frame",
     "from the camera",
 ];
+
+/// The largest median displacement, in pixels, of surfaces that a plane or a hole leaves where they are: samples elsewhere cause less.
+const DISPLACED: f64 = 1.0;
 
 /// The smallest fraction of the picture that is missing without a bound.
 const NOTABLE: f64 = 0.01;
@@ -53,6 +56,22 @@ pub(super) fn found(case: &Case) -> Option<Diagnosis> {
     if lacking.len() < FEWEST {
         return None;
     }
+    let count = ("pixels", lacking.len() as f64);
+    // A plane does not move what it leaves.
+    let off = shown
+        .iter()
+        .filter_map(|i| Some(case.field?.displacement(*i)?.length()));
+    if let Some(off) = median(off.collect()).filter(|off| *off > DISPLACED) {
+        return Some(Diagnosis {
+            kind: Kind::ObjectElsewhere,
+            what: format!(
+                "surfaces are missing at {} pixels, and those that are shown are displaced, half of them by {off:.1} pixels or more: objects are elsewhere, or triangles are too large",
+                lacking.len()
+            )
+            .into(),
+            evidence: vec![("median displacement (pixels)", off), count],
+        });
+    }
     // Objects that are lacking as a whole are another matter.
     let is_cut = |i: &usize| shown.iter().any(|j| object(*j) == object(*i));
     let is_cut = lacking.first().is_some_and(is_cut) || lacking.iter().any(is_cut);
@@ -66,7 +85,6 @@ pub(super) fn found(case: &Case) -> Option<Diagnosis> {
         let values = [shown, lacking].map(|of| of.iter().filter_map(value).collect());
         bound(values).map(|(bound, is_near, wrong)| (k, bound, is_near, wrong))
     });
-    let count = ("pixels", lacking.len() as f64);
     if let Some((k, bound, is_near, wrong)) = clipped.min_by_key(|found| found.3)
         && wrong as f64 <= NEAR * lacking.len() as f64
     {

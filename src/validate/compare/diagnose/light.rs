@@ -24,6 +24,7 @@ use super::{
 };
 use crate::colour::{srgb_decode, srgb_encode};
 use crate::render::aov::Aov;
+use crate::scene::model::Fill;
 
 /// The light of a pixel in the reference and in the candidate.
 pub(super) type Lit = (usize, [[f64; 3]; 2]);
@@ -136,21 +137,31 @@ pub(super) fn lit(case: &Case) -> Option<Vec<Lit>> {
     lit_above(case, 0.0)
 }
 
-/// The same with the candidate's light down to `least`.
+/// The same, whichever object the candidate shows there.
+pub(super) fn lit_of_any_object(case: &Case) -> Option<Vec<Lit>> {
+    lit_of(case, case.everywhere(), 0.0)
+}
+
+/// The same as [`lit`] with the candidate's light down to `least`.
 pub(super) fn lit_above(case: &Case, least: f64) -> Option<Vec<Lit>> {
-    let lit = with_light(case, least, |[r, _]| r.iter().sum::<f64>() > 0.0)?;
+    lit_of(case, case.of_same_object(), least)
+}
+
+fn lit_of(case: &Case, pixels: &[usize], least: f64) -> Option<Vec<Lit>> {
+    let lit = with_light(case, pixels, least, |[r, _]| r.iter().sum::<f64>() > 0.0)?;
     (lit.len() >= FEWEST).then_some(lit)
 }
 
 /// Pixels of surfaces, with light or without; `None` if the reference has it at too few.
 pub(super) fn lit_and_dark(case: &Case) -> Option<Vec<Lit>> {
     lit(case)?;
-    with_light(case, 0.0, |_| true)
+    with_light(case, case.of_same_object(), 0.0, |_| true)
 }
 
-/// Pixels of surfaces whose light satisfies `is_wanted` and is not clipped in the candidate.
+/// Those of `pixels` whose light satisfies `is_wanted` and is not clipped in the candidate.
 fn with_light(
     case: &Case,
+    pixels: &[usize],
     least: f64,
     is_wanted: impl Fn(&[[f64; 3]; 2]) -> bool + Sync,
 ) -> Option<Vec<Lit>> {
@@ -158,8 +169,8 @@ fn with_light(
         .pair
         .map(|picture| Plane::group(&picture.layers, RADIANCE));
     let (r, c) = (r?, c?);
-    let pixels = case.of_same_object().par_iter().copied();
-    let pixels = pixels.map(|i| (i, [&r, &c].map(|p| p.map(|p| p.at(i)))));
+    let pixels = with_data(case, pixels, &r).into_par_iter();
+    let pixels = pixels.map(|i| (i, [&r, &c].map(|p| p.each_ref().map(|p| p.at(i)))));
     let is_lit = |(_, pair): &Lit| {
         let [r, c] = pair;
         let is_light = |v: &f64, least: f64| v.is_finite() && *v >= least;
@@ -169,6 +180,38 @@ fn with_light(
     };
     Some(pixels.filter(is_lit).collect())
 }
+
+/// Those of `all` pixels whose light is known: a mark for missing data is the same in both pictures, whatever is wrong with light. All of
+/// them if too few are left: where missing data are black, or are held, all light may be beside them.
+fn with_data(case: &Case, all: &[usize], r: &[Plane; 3]) -> Vec<usize> {
+    let coverage = case
+        .pair
+        .map(|picture| Plane::aov(&picture.layers, Aov::Coverage));
+    let outside = case.scene.map(|scene| scene.outside);
+    let fills = outside.map(|o| [o.before, o.after, o.off_texture, o.occluded]);
+    let marks = fills.into_iter().flatten().filter_map(|fill| match fill {
+        Fill::Mark(colour) => Some(colour),
+        Fill::Black | Fill::Hold => None,
+    });
+    let marks: Vec<[f64; 3]> = marks.collect();
+    let is_mark = |light: [f64; 3]| {
+        let is = |mark: &[f64; 3]| (0..3).all(|k| (light[k] - mark[k]).abs() <= 1e-6 * mark[k]);
+        marks.iter().any(is)
+    };
+    let is_known = |i: &usize| {
+        let mut coverage = coverage.iter().flatten();
+        let is_covered = coverage.all(|coverage| coverage.at(*i) >= 1.0 - COVERED);
+        is_covered && !is_mark(r.each_ref().map(|p| p.at(*i)))
+    };
+    let known: Vec<usize> = all.par_iter().copied().filter(is_known).collect();
+    match known.len() >= FEWEST {
+        true => known,
+        false => all.to_vec(),
+    }
+}
+
+/// The rounding of a full coverage in half precision.
+const COVERED: f64 = 1e-3;
 
 pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();

@@ -16,7 +16,7 @@
 //! (Horn, JOSA A 4(4), 1987, equivalent to Kabsch's rotation.) If its film has another size, too, the components of e across the axis are
 //! those of the right film times kₓ and k_y: these are fitted in turn with the rotation. Both are linear in four unknowns, and the best fit to all pixels is the
 //! eigenvector of the smallest eigenvalue of a 4 × 4 matrix. If a picture has no directions, those to its events on the past light cone of
-//! the shot are used. Another film may look similar: it is preferred if its residual is smaller.
+//! the shot are used, if nearly all events are on it. Another film may look similar: it is preferred if its residual is smaller.
 
 use glam::{DMat4, DQuat, DVec2, DVec3, DVec4};
 use rayon::prelude::*;
@@ -200,6 +200,25 @@ fn looks(case: &Case, velocity: Velocity) -> Vec<Look> {
         Some(move |i: usize| known.look_to(time.at(i), place(&world, i)))
     };
     let [of_reference, of_candidate] = [0, 1].map(by_event);
+    // Events elsewhere are not seen from this shot, and those of them that happen to be on its cone do not say where the camera looks.
+    let is_on_cone = |of_candidate: &dyn Fn(usize) -> Option<Direction<World>>| {
+        let [mut all, mut on_cone] = [0usize; 2];
+        let shown = case.everywhere().iter();
+        let shown = shown.filter(|i| {
+            let place = case.points[1].world_point(**i);
+            !case.is_mixed(**i) && place.is_some_and(DVec3::is_finite)
+        });
+        for i in shown {
+            all += 1;
+            on_cone += usize::from(of_candidate(*i).is_some());
+        }
+        on_cone as f64 >= MOST * all as f64
+    };
+    if case.points[1].direction.is_none()
+        && !of_candidate.as_ref().is_some_and(|look| is_on_cone(look))
+    {
+        return Vec::new();
+    }
     let look = |which: usize, i: usize| match case.points[which].direction {
         Some(direction) => Direction::new(place(&direction, i)),
         None => match which {

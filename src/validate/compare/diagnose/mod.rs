@@ -21,6 +21,7 @@
 //! | shots that differ | the metadata of both pictures state different velocities or times of the camera: then consequences are not reported |
 //! | retardation missing | all emission times are equal; or points of a known scene, or of one object, are where they are at the time of the shot |
 //! | retardation of the opposite sign | points are where they are as long after the shot; or so is the light |
+//! | contraction missing | points are where they would be in bodies as long as at rest (`motion`) |
 //! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by positions in a known scene (`motion`) |
 //! | film moved or scaled | points belong at a + k p for the pixel p: half a pixel, another field of view or focal length, another aspect ratio |
 //! | axes exchanged | x, y, z of events, normals, directions are permuted, or negated |
@@ -104,7 +105,7 @@ use super::geometry::Field;
 use super::known::KnownScene;
 use super::options::Region;
 use super::picture::Picture;
-use super::points::Points;
+use super::points::{Points, around};
 use crate::error::Message;
 use crate::scene::model::Scene;
 
@@ -174,6 +175,8 @@ pub enum Kind {
     VelocityWrong,
     /// An object that should move is at rest.
     VelocityMissing,
+    /// Moving objects are as long as at rest: the matrices of their boosts lack γ.
+    ContractionMissing,
     /// The candidate does not show an object.
     ObjectMissing,
     /// Coordinates are permuted, or negated.
@@ -275,6 +278,7 @@ impl Kind {
                 | Kind::ShotsDiffer
                 | Kind::RetardationMissing
                 | Kind::RetardationReversed
+                | Kind::ContractionMissing
                 | Kind::SurfacesClipped
         )
     }
@@ -326,12 +330,13 @@ pub(super) struct Case<'a> {
     pub lists: &'a PixelLists,
 }
 
-/// The pixels that hypotheses are tested on, once they are asked for.
+/// The pixels that hypotheses are tested on, and whether objects are elsewhere in them, once they are asked for.
 #[derive(Debug, Default)]
 pub(super) struct PixelLists {
     all: OnceLock<Vec<usize>>,
     same: OnceLock<Vec<usize>>,
     unmixed: OnceLock<Vec<usize>>,
+    is_elsewhere: OnceLock<bool>,
 }
 
 /// All diagnoses of a candidate: channels that were never written, and the results of the others.
@@ -438,9 +443,10 @@ fn causes(case: &Case, is_other_shot: bool) -> Vec<Diagnosis> {
     let by_light = curve::instead_of(case, light::light(case));
     // Another velocity changes light much as another exponent does, or, if it is far darker, as a factor does; the scene distinguishes
     // them.
-    let is_settled = by_light
-        .as_ref()
-        .is_some_and(|(d, left)| d.kind != Kind::ExponentWrong && *left <= SETTLED);
+    let is_settled = !case.shows_objects_elsewhere()
+        && by_light
+            .as_ref()
+            .is_some_and(|(d, left)| d.kind != Kind::ExponentWrong && *left <= SETTLED);
     let by_scene = if is_settled {
         rendered::Verdict::Nothing
     } else {
@@ -462,7 +468,9 @@ fn causes(case: &Case, is_other_shot: bool) -> Vec<Diagnosis> {
     }
     match (by_scene, by_light) {
         (Some((by_scene, of_scene)), Some((by_light, left))) => {
-            let is_simple = by_light.kind != Kind::ExponentWrong && left <= of_scene;
+            let is_simple = by_light.kind != Kind::ExponentWrong
+                && left <= of_scene
+                && !case.shows_objects_elsewhere();
             found.push(if is_simple { by_light } else { by_scene });
         }
         (Some((by_scene, _)), None) => found.push(by_scene),
@@ -521,6 +529,31 @@ impl Case<'_> {
         self.mixed.get(i) == Some(&true)
     }
 
+    /// Whether the candidate shows objects where the reference shows them neither there nor beside, at a notable part of its surfaces:
+    /// farther than samples elsewhere in pixels do. Their light differs, whatever its own mistakes are.
+    fn shows_objects_elsewhere(&self) -> bool {
+        let [r, c] = &self.points;
+        let (Some(_), Some(_)) = (r.object, c.object) else {
+            return false;
+        };
+        let count = || {
+            let pixels = self.everywhere().par_iter().copied();
+            let shown = pixels.filter(|i| r.object_at(*i).is_some_and(|id| id >= 0.0));
+            let counts = shown.map(|i| {
+                let id = c.object_at(i);
+                [
+                    1,
+                    usize::from(around(r.size(), i).all(|j| r.object_at(j) != id)),
+                ]
+            });
+            counts.reduce(|| [0; 2], |[a, b], [c, d]| [a + c, b + d])
+        };
+        *self.lists.is_elsewhere.get_or_init(|| {
+            let [shown, elsewhere] = count();
+            elsewhere >= FEWEST && elsewhere as f64 >= NOTABLE_ELSEWHERE * shown as f64
+        })
+    }
+
     /// All pixels of the region.
     fn everywhere(&self) -> &[usize] {
         let all = || self.region.pixels(self.points[0].size()).collect();
@@ -553,6 +586,9 @@ impl Case<'_> {
         }
     }
 }
+
+/// The least part of the reference's surfaces at which objects are notably elsewhere.
+const NOTABLE_ELSEWHERE: f64 = 0.01;
 
 /// The number of pixels that are asked first whether a hypothesis may explain all of them.
 const ASKED: usize = 8192;

@@ -478,7 +478,7 @@ pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
     moving.iter().filter_map(of_object).collect()
 }
 
-/// The change of the camera, or of time, that explains where the candidate shows points: one that moves all of them.
+/// The change of the camera, of time, or of all objects that explains where the candidate shows points.
 pub(super) fn of_all(case: &Case) -> Option<Diagnosis> {
     let changes = [
         Change::Instant,
@@ -486,6 +486,7 @@ pub(super) fn of_all(case: &Case) -> Option<Diagnosis> {
         Change::CameraReversed,
         Change::CameraAtRest,
         Change::CameraWithoutGamma,
+        Change::Uncontracted,
     ];
     best(case, case.known?, None, &changes)
 }
@@ -653,7 +654,8 @@ pub(super) fn describe_aberration_by_light(
         | Change::AtRest(_)
         | Change::Standing(_)
         | Change::Reversed(_)
-        | Change::Swapped(..) => (
+        | Change::Swapped(..)
+        | Change::Uncontracted => (
             Kind::AberrationMissing,
             "aberration is missing",
             "where a camera at rest sees it",
@@ -727,6 +729,11 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
             Kind::VelocitiesSwapped,
             format!("the velocities of objects {j} and {k} are swapped: their points are shown as they would be with velocities exchanged"),
             beta(j).max(beta(k)),
+        ),
+        Change::Uncontracted => (
+            Kind::ContractionMissing,
+            "objects are not contracted: points are shown where they would be seen in bodies as long as at rest, by matrices without γ (Galilean)".into(),
+            known.velocities().map(|v| v.beta().length()).fold(0.0, f64::max),
         ),
     };
     Diagnosis {

@@ -202,17 +202,36 @@ fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {
     let has_triangles = points.primitive.is_some();
     let triangle = worst(&triangles, total, pixels.len()).filter(|_| has_triangles);
     let object = worst(&objects, total, pixels.len());
-    match triangle {
+    let (kind, place, named, part) = match triangle {
         Some(((object, triangle), part)) => {
             let place = format!("triangle {triangle} of object {object}");
-            describe_part(Kind::TriangleDisplaced, place, part, total)
+            (Kind::TriangleDisplaced, place, object, part)
         }
         None => {
             let ((object, _), part) = object?;
             let place = format!("object {object}");
-            describe_part(Kind::ObjectDisplaced, place, part, total)
+            (Kind::ObjectDisplaced, place, object, part)
         }
-    }
+    };
+    // A smaller displacement of a smaller object may be a mistake, too.
+    let off = |part: &Part| {
+        let off = median(part.displacements.iter().map(|d| d.length()).collect());
+        let is_enough = part.displacements.len() as u64 >= FEWEST_OF_OBJECT;
+        off.filter(|off| is_enough && *off > NOTABLE_DISPLACEMENT)
+    };
+    let others = objects.iter().filter(|((object, _), _)| *object != named);
+    let others = others.filter_map(|((object, _), part)| {
+        Some(format!(
+            "object {object} by {:.2} pixels at half of its points",
+            off(part)?
+        ))
+    });
+    let others: Vec<String> = others.collect();
+    let rest = match others.is_empty() {
+        true => "the rest is where it should be".into(),
+        false => others.join(", "),
+    };
+    describe_part(kind, &place, part, total, &rest)
 }
 
 type Name = (i64, i64);
@@ -229,7 +248,13 @@ fn worst(parts: &BTreeMap<Name, Part>, total: f64, pixels: usize) -> Option<(Nam
     (is_part && coherent && part.square >= MOST * total).then_some((*name, part))
 }
 
-fn describe_part(kind: Kind, place: String, part: &Part, total: f64) -> Option<Diagnosis> {
+fn describe_part(
+    kind: Kind,
+    place: &str,
+    part: &Part,
+    total: f64,
+    rest: &str,
+) -> Option<Diagnosis> {
     let middle = |of: fn(&DVec2) -> f64| median(part.displacements.iter().map(of).collect());
     // A point that belongs to the right is seen displaced to the left.
     let [x, y, length] = [
@@ -239,7 +264,7 @@ fn describe_part(kind: Kind, place: String, part: &Part, total: f64) -> Option<D
     ];
     (length > NOTABLE_DISPLACEMENT).then(|| Diagnosis {
         kind,
-        what: format!("{place} is displaced by {length:.2} pixels, ({x:+.2}, {y:+.2}) to the right and down; the rest is where it should be").into(),
+        what: format!("{place} is displaced by {length:.2} pixels, ({x:+.2}, {y:+.2}) to the right and down; {rest}").into(),
         evidence: vec![
             ("median displacement (pixels)", length),
             ("share of the displacement", part.square / total),

@@ -8,9 +8,9 @@ use glam::DVec3;
 use super::super::known::{Change, at_time, is_all_in_its_text};
 use super::camera::elsewhere_in_words;
 use super::fitted::{of_some_place, of_some_size};
-use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark};
+use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark, lit_of_any_object};
 use super::motion::{ADVANCED, in_words};
-use super::scene_light::{Asked, Light, MEMORY, light_and_size_of, light_of};
+use super::scene_light::{Asked, Light, MEMORY, light_and_size_of, light_of, objects_of};
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
 use crate::camera::Shot;
@@ -19,9 +19,7 @@ use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
 use crate::render::render;
-use crate::scene::model::{
-    EmissionProfile, LightKind, Motion, Scene, Source, SourceKind, TimeFilter,
-};
+use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind, TimeFilter};
 use crate::spacetime::{Hue, Quantity, Velocity};
 
 /// The most moving objects that are tested.
@@ -66,7 +64,12 @@ pub(super) fn changes(case: &Case) -> Verdict {
 /// The same from the pixels with light in the reference.
 fn in_the_light(case: &Case) -> Verdict {
     let scene_and_size = || {
-        let (scene, lit) = (case.scene?, lit(case)?);
+        // What moves objects is seen where it moved them.
+        let lit = match case.has_places() {
+            true => lit(case),
+            false => lit_of_any_object(case),
+        };
+        let (scene, lit) = (case.scene?, lit?);
         if fit(&lit, |_, r| r).tally.error() <= NOTABLE {
             return None;
         }
@@ -127,27 +130,32 @@ fn mistake(
 ) -> Option<(Diagnosis, f64)> {
     let (light, size) = (&unchanged.0, unchanged.1);
     let asked = Asked::new(case, lit);
-    let mut mistakes = Vec::new();
+    let mut moves = Vec::new();
     if !case.has_places() {
         // Before other mistakes that move an object out of view.
-        mistakes.extend(absences(scene, FAR * size));
-        mistakes.extend(motions(scene));
-        mistakes.extend(camera_at_rest(scene));
+        moves.extend(absences(scene, FAR * size));
+        moves.extend(motions(scene));
+        moves.extend(camera_at_rest(scene));
     }
-    mistakes.extend(without_shadows(scene));
-    mistakes.extend(by_whole_bins(scene));
-    mistakes.extend(other_exponents(scene));
-    let of_no_size = mistakes.into_iter().filter_map(|mistake| {
+    let mut others: Vec<Mistake> = without_shadows(scene).into_iter().collect();
+    others.extend(by_whole_bins(scene));
+    others.extend(other_exponents(scene));
+    let explaining = |mistake: Mistake| {
         let fit = asked.light_if_promising(case, &mistake.scene)?.fit(lit);
         let explains = fit.tally.explains(NOTABLE) && fit.left <= LEFT_BY_MISTAKE;
         explains.then_some((mistake, fit))
-    });
+    };
+    let is_where_shown = |(mistake, _): &(Mistake, Fit)| explains_objects(case, &mistake.scene);
+    let moves = moves.into_iter().filter_map(explaining);
+    let of_no_size = moves.filter(is_where_shown);
+    let of_no_size = of_no_size.chain(others.into_iter().filter_map(explaining));
     let of_times = of_some_size(case, &asked, light, &times(scene), |x| later(scene, x));
     let of_times = of_times.map(|(x, fit)| (lookup(scene, x), fit));
     let speeds: &[f64] = if case.has_places() { &[] } else { &SPEEDS };
     let of_speeds = of_some_size(case, &asked, light, speeds, |x| faster(scene, x));
     let of_speeds = of_speeds.filter(|(x, fit)| x.abs() >= SLOWEST && fit.left <= LEFT_BY_SPEED);
     let of_speeds = of_speeds.and_then(|(x, fit)| Some((speed(scene, x)?, fit)));
+    let of_speeds = of_speeds.filter(is_where_shown);
     let mut found: Vec<(Mistake, Fit)> = of_no_size.chain(of_times).chain(of_speeds).collect();
     if found.is_empty() {
         found.extend(elsewhere(case, scene, &asked, unchanged));
@@ -170,6 +178,25 @@ fn mistake(
         evidence: evidence_of(mistake.size, fit),
     };
     Some((diagnosis, fit.left))
+}
+
+/// The largest fraction of wrongly shown objects that a mistake may leave: those at edges, where samples are elsewhere.
+const LEFT_OF_OBJECTS: f64 = 0.5;
+
+/// Whether a scene shows the objects that the candidate shows, where those differ from the reference's; true if nothing says so.
+fn explains_objects(case: &Case, scene: &Scene) -> bool {
+    if !case.shows_objects_elsewhere() {
+        return true;
+    }
+    let Some(objects) = objects_of(case, scene) else {
+        return true;
+    };
+    let [r, c] = &case.points;
+    let count =
+        |is_wrong: &dyn Fn(&&usize) -> bool| case.everywhere().iter().filter(is_wrong).count();
+    let was = count(&|i| r.object_at(**i) != c.object_at(**i));
+    let is = count(&|i| objects.get(**i).copied() != c.object_at(**i));
+    is as f64 <= LEFT_OF_OBJECTS * was as f64
 }
 
 /// The time and position of the events of one object alone at pixel centres, with a change or without.
@@ -611,11 +638,11 @@ const OF_EXPONENTS: [Quantity; 4] = [
     Quantity::PerWavelength,
 ];
 
-/// The scene with radiances of another quantity, if pulses or lamps shine on moving objects: their light has the exponent, too. Light of no
-/// such source has W^k for its ratio, which needs no scene.
+/// The scene with radiances of another quantity, if cubes, pulses or lamps light it: light that pulses and lamps bring to moving objects has
+/// the exponent, too, and where pixels have several samples, that of a cube is not W^k for one W. Other light has W^k for its ratio, which
+/// needs no scene.
 fn other_exponents(scene: &Scene) -> Vec<Mistake> {
-    let is_pulse = |source: &Source| matches!(source.kind, SourceKind::Pulse(_));
-    let shines = scene.sources.iter().any(is_pulse) || !scene.lights.is_empty();
+    let shines = !scene.sources.is_empty() || !scene.lights.is_empty();
     let has_exponent = scene.quantity.hue() == Hue::Stays;
     let right = scene.quantity.exponent();
     let are_alike = scene
@@ -722,7 +749,7 @@ fn changed(scene: &Scene, change: Change) -> Option<Scene> {
             changed.objects[j].velocity = of_k;
             changed.objects[k].velocity = of_j;
         }
-        Change::Standing(_) | Change::CameraWithoutGamma => return None,
+        Change::Standing(_) | Change::CameraWithoutGamma | Change::Uncontracted => return None,
     }
     Some(changed)
 }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::super::known::is_all_in_its_text;
 use super::light::{Fit, Lit, fit};
 use super::{Case, FEWEST_ASKED};
+use crate::render::aov::Aov;
 use crate::render::film::{Film, TILE, Tile};
 use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
@@ -33,7 +34,14 @@ pub(super) fn light_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light>
     light_of_all(&prepared(case, scene)?, lit)
 }
 
-/// The same, with the largest distance in metres of surfaces from the origins of their rest frames.
+/// The indices of the objects that a scene shows in the candidate's pixels, −1 for none.
+pub(super) fn objects_of(case: &Case, scene: &Scene) -> Option<Vec<f64>> {
+    let prepared = prepared_with(case, scene, vec![Aov::Object])?;
+    let film = render(&prepared, &Silent).ok()?;
+    Some(film.aov(Aov::Object)?.to_vec())
+}
+
+/// The same as [`light_of`], with the largest distance in metres of surfaces from the origins of their rest frames.
 pub(super) fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, f64)> {
     let prepared = prepared(case, scene)?;
     let reach = |(lo, hi): (DVec3, DVec3)| lo.abs().max(hi.abs()).max_element();
@@ -130,6 +138,11 @@ fn light(film: Film, lit: &[Lit]) -> Option<Light> {
 
 /// A scene, ready to be rendered as the reference was.
 fn prepared(case: &Case, scene: &Scene) -> Option<Prepared> {
+    prepared_with(case, scene, Vec::new())
+}
+
+/// The same with more channels.
+fn prepared_with(case: &Case, scene: &Scene, aovs: Vec<Aov>) -> Option<Prepared> {
     let mut scene = scene.clone();
     let [width, height] = case.points[0].size();
     let most = (MOST_RAYS / (width * height).max(1)).clamp(1, MOST_SAMPLES as usize);
@@ -139,6 +152,7 @@ fn prepared(case: &Case, scene: &Scene) -> Option<Prepared> {
     let samples: u32 = of_reference.unwrap_or(scene.samples_per_pixel);
     scene.samples_per_pixel = samples.clamp(1, most as u32);
     let mut request = Request {
+        aovs,
         pixel_centers: case.pair[0].metadata("pixel_centers") == Some("true"),
         ..Request::default()
     };

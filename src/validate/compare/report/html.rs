@@ -88,10 +88,10 @@ fn pictures(
     candidate: &Picture,
     maps: &[ErrorMap],
 ) -> Result<()> {
-    let [expected, actual] = displays(reference, candidate)?;
+    let ([expected, actual], channel) = displays(reference, candidate)?;
     html.push_str("<h2>Pictures</h2><p>Wheel: zoom; drag: move; double-click: reset. All pictures move together.</p><div class=\"pictures\">\n");
-    figure(html, "expected", &reduced(&expected), "")?;
-    figure(html, "actual", &reduced(&actual), "")?;
+    figure(html, &format!("expected{channel}"), &reduced(&expected), "")?;
+    figure(html, &format!("actual{channel}"), &reduced(&actual), "")?;
     for map in maps {
         figure(html, &map.title, &largest(map).image(), &colour_bar(map)?)?;
     }

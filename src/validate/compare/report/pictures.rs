@@ -241,7 +241,7 @@ const WHITE: f64 = 99.0;
 /// # Errors
 /// Pictures that are too large to draw.
 pub fn strip(reference: &Picture, map: &ErrorMap, candidate: &Picture) -> Result<RgbImage> {
-    let [expected, actual] = displays(reference, candidate)?;
+    let ([expected, actual], channel) = displays(reference, candidate)?;
     let panel = |picture, label: &str| Panel {
         picture,
         label: label.into(),
@@ -249,9 +249,9 @@ pub fn strip(reference: &Picture, map: &ErrorMap, candidate: &Picture) -> Result
     };
     let difference = format!("{}, 0 to {}", map.title, metrics::number(map.most));
     let panels = [
-        panel(expected, "expected"),
+        panel(expected, &format!("expected{channel}")),
         panel(map.image(), &difference),
-        panel(actual, "actual"),
+        panel(actual, &format!("actual{channel}")),
     ];
     contact_sheet::compose(
         &panels,
@@ -262,9 +262,18 @@ pub fn strip(reference: &Picture, map: &ErrorMap, candidate: &Picture) -> Result
     )
 }
 
-/// Both pictures for a display.
-pub(super) fn displays(reference: &Picture, candidate: &Picture) -> Result<[RgbImage; 2]> {
-    let light = [reference, candidate].map(light);
+/// Both pictures for a display, and what is said of them besides: which channel they show where they do not both have light.
+pub(super) fn displays(
+    reference: &Picture,
+    candidate: &Picture,
+) -> Result<([RgbImage; 2], String)> {
+    let pair = [reference, candidate];
+    let have_light = pair
+        .iter()
+        .all(|picture| picture.layers.radiance().is_some());
+    let common = (!have_light).then(|| common(pair)).flatten();
+    let light = pair.map(|picture| light(picture, common));
+    let channel = common.map_or_else(String::new, |name| format!(" {name}"));
     let white = match reference.encoding {
         Encoding::Linear => tonemap(&light[0], Exposure::Percentile(WHITE))?.white,
         Encoding::Srgb => 1.0,
@@ -283,17 +292,25 @@ pub(super) fn displays(reference: &Picture, candidate: &Picture) -> Result<[RgbI
             },
         })
     };
-    Ok([show(reference, &light[0])?, show(candidate, &light[1])?])
+    let shown = [show(reference, &light[0])?, show(candidate, &light[1])?];
+    Ok((shown, channel))
 }
 
-/// The light; the first channel in grey if there is none.
-fn light(picture: &Picture) -> Vec<[f64; 3]> {
-    picture.layers.radiance().unwrap_or_else(|| {
-        let first = picture.layers.channels.first().map(|c| c.samples.to_f64());
-        first
-            .unwrap_or_default()
-            .into_iter()
-            .map(|v| [v; 3])
-            .collect()
+/// The first channel of the reference that the candidate has, too.
+fn common<'a>([reference, candidate]: [&'a Picture; 2]) -> Option<&'a str> {
+    let names = reference.layers.channels.iter().map(|c| c.name.as_str());
+    let mut both = names.filter(|name| candidate.layers.channel(name).is_some());
+    both.next()
+}
+
+/// The channel of this name in grey; without a name the light, or the first channel, such as that of a grey picture.
+fn light(picture: &Picture, name: Option<&str>) -> Vec<[f64; 3]> {
+    let layers = &picture.layers;
+    let named = name.and_then(|name| layers.channel(name));
+    let light = layers.radiance().filter(|_| named.is_none());
+    light.unwrap_or_else(|| {
+        let shown = named.or(layers.channels.first());
+        let values = shown.map_or_else(Vec::new, |channel| channel.samples.to_f64());
+        values.into_iter().map(|v| [v; 3]).collect()
     })
 }

@@ -137,7 +137,7 @@ impl Work<'_> {
 fn sizes(bins: &Bins) -> Vec<[u32; 2]> {
     let fits = |side: &u32| {
         // For both sides of a surface, on one thread: the size must not depend on the number of threads.
-        let bytes = bake::bytes([*side, 2 * side], bins, CubePrecision::Single, 1);
+        let bytes = bake::surface_bytes([*side, 2 * side], bins, CubePrecision::Single, 1);
         bytes <= MOST_MEMORY
     };
     let fitting: Vec<u32> = SIDES.into_iter().filter(fits).collect();

@@ -20,6 +20,7 @@ use super::film::{Rendered, times};
 use super::frames::existing;
 use super::output::{Identity, Inputs, Outputs, Samples};
 use super::progress::Bar;
+use super::values::MOST_PASSES;
 use super::{inputs, interrupt, overlay, remarks};
 
 /// Files are written again after this many times the duration of writing them, and after this many seconds.
@@ -62,8 +63,12 @@ pub fn check_one(
 ) -> Result<(Request, Plan)> {
     // Isochrones come from a picture of their own, so the passes have no channels for them.
     request.aovs.clone_from(&outputs.aovs);
-    // The sums of the passes take memory beside the scene, so the plan is made twice.
-    let layout = Plan::new(scene, &request)?.film;
+    // The sums of the passes take memory beside the scene, so the plan is made twice; only the second is held to the limit.
+    let unlimited = Request {
+        memory_limit: u64::MAX,
+        ..request.clone()
+    };
+    let layout = Plan::new(scene, &unlimited)?.film;
     request.beside = request.beside.saturating_add(passes::bytes(&layout));
     request.pictures = USUAL_PASSES;
     let plan = Plan::new(scene, &request)?;
@@ -180,8 +185,13 @@ impl Work<'_> {
 
     /// Whether the picture has the requested quality.
     fn is_good(&self) -> bool {
+        self.passes.is_settled() || self.has_all()
+    }
+
+    /// Whether it has all passes that this command takes.
+    fn has_all(&self) -> bool {
         let most = self.wanted.passes.unwrap_or(self.passes.most());
-        self.passes.is_settled() || self.passes.done() >= most
+        self.passes.done() >= most
     }
 
     /// Renders passes until the picture is good enough or the time is up.
@@ -291,10 +301,17 @@ impl Work<'_> {
             1 => "1 tile has".to_owned(),
             count => format!("{count} tiles have"),
         };
+        let (sums, done) = (self.sums.display(), self.passes.done());
+        let next = match done.saturating_mul(2).min(MOST_PASSES) {
+            _ if !self.has_all() => format!("run the same command again to continue from {sums}"),
+            more if more > done => {
+                format!("these were all {done} passes; --passes {more} continues from {sums}")
+            }
+            _ => "no picture takes more passes; larger ones (--spp) help".into(),
+        };
         format!(
-            "{tiles} not reached an error of {error} % yet: run the same command again to continue from {}; light that only a few \
-             of many paths find, as through mirrors and glass from small lamps, may never converge",
-            self.sums.display()
+            "{tiles} not reached an error of {error} % yet: {next}; light that only a few of many paths find, as through mirrors and glass \
+             from small lamps, may never converge"
         )
     }
 }

@@ -380,7 +380,7 @@ fn check_passes(option: &str, arguments: &RenderArguments, is_sequence: bool) ->
     match () {
         () if is_sequence => refuse(
             "it improves one picture, but this is a sequence",
-            "give one --time, or the samples of all frames: --spp N",
+            "render each picture with a --time of its own, in a loop of commands, or give the samples of all frames: --spp N",
         ),
         () if arguments.method.method != Method::Trace => refuse(
             "it improves pictures of the ray tracer",

@@ -218,11 +218,14 @@ pub fn work_time(text: &str) -> Result<f64, String> {
     number(digits, 0.0..=MONTH / unit, help).map(|number| number * unit)
 }
 
+/// The largest number of passes.
+pub const MOST_PASSES: u32 = 65_536;
+
 /// A number of passes; they come in pairs, one for each half of the samples.
 pub fn passes(text: &str) -> Result<u32, String> {
     let number = text.trim().parse::<u32>().ok();
-    let even = number.filter(|n| (2..=65_536).contains(n) && n % 2 == 0);
-    even.ok_or("passes come in pairs: an even number from 2 to 65536".into())
+    let even = number.filter(|n| (2..=MOST_PASSES).contains(n) && n % 2 == 0);
+    even.ok_or_else(|| format!("passes come in pairs: an even number from 2 to {MOST_PASSES}"))
 }
 
 pub fn aovs(text: &str) -> Result<AovList, String> {

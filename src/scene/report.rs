@@ -170,15 +170,19 @@ fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
         let help = meant + &described(&place.0).unwrap_or_default();
         return (what, help);
     }
-    // serde names whole numbers by their types in Rust.
-    let ranges = [("u32", "from 0 to 4294967295"), ("usize", "from 0 on")];
-    let refused = ranges.into_iter().find_map(|(name, range)| {
+    // serde names whole numbers by their types in Rust. Most keys have narrower ranges, which their descriptions name.
+    let refused = ["u32", "usize"].into_iter().find_map(|name| {
         let found = message.strip_suffix(name)?.strip_suffix(", expected ")?;
         let found = found.split_once(": ")?.1.replace('`', "");
         let found = found
             .trim_start_matches("integer ")
             .trim_start_matches("floating point ");
-        Some(format!("{found} is not a whole number {range}"))
+        Some(match found.parse::<f64>() {
+            Ok(number) if number > f64::from(u32::MAX) && number.fract() == 0.0 => {
+                format!("{found} is too large")
+            }
+            Ok(_) | Err(_) => format!("{found} is not a whole number, 0 or above"),
+        })
     });
     let message = refused.as_deref().unwrap_or(message);
     // The description of the key itself, or of the nearest enclosing table that has one.

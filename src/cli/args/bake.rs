@@ -34,7 +34,7 @@ pub struct BakeArguments {
     pub texels: Option<[u32; 2]>,
     /// The set of texture coordinates; no two parts of an object's surface may overlap in it. Default: the first set
     /// without overlaps, or an atlas for objects that have none.
-    #[arg(long, value_name = "SET")]
+    #[arg(long, value_name = "SET", allow_negative_numbers = true)]
     pub uv: Option<u8>,
     /// Make texture coordinates that do not overlap: an atlas of flat charts. They are written with the light, as the array
     /// texture_coordinates of an .npz file.
@@ -52,7 +52,7 @@ pub struct BakeArguments {
     )]
     pub bin_width: Option<Time>,
     /// The number of bins.
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536), allow_negative_numbers = true)]
     pub bins: u32,
     /// Energies in half precision.
     #[arg(long)]
@@ -75,9 +75,9 @@ pub struct BakeArguments {
 pub struct GoalArguments {
     /// As many samples as it takes for this standard error of a bin, relative to the root mean square of all bins: "5 %". A trial of up to
     /// one in 16 texels finds the number, a power of two; with --spp and that number the light has the same bits.
-    #[arg(long, value_name = "PERCENT", conflicts_with_all = ["spp", "pixel_centers"], value_parser = values::relative_error)]
+    #[arg(long, value_name = "PERCENT", conflicts_with_all = ["spp", "pixel_centers"], value_parser = values::relative_error, allow_hyphen_values = true)]
     pub error: Option<f64>,
     /// As many samples as are expected to fit in this time: "60 s", "5 min" or "1 h" (without a unit, in seconds); with --error, no more than that needs.
-    #[arg(long, value_name = "TIME", conflicts_with_all = ["spp", "pixel_centers"], value_parser = values::work_time)]
+    #[arg(long, value_name = "TIME", conflicts_with_all = ["spp", "pixel_centers"], value_parser = values::work_time, allow_hyphen_values = true)]
     pub budget: Option<f64>,
 }

@@ -30,7 +30,7 @@ pub struct CompareArguments {
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
     /// Compare only this rectangle: left column, top row, width and height.
-    #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop)]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop, allow_hyphen_values = true)]
     pub crop: Option<[u32; 4]>,
     /// The encoding of a .png: "srgb" or "linear". Default: srgb.
     #[arg(long, value_name = "NAME", value_parser = values::transfer)]
@@ -46,7 +46,7 @@ pub struct CompareArguments {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub bin_width: Option<Time>,
     /// Pixels per degree of visual angle for FLIP. Default: 67.02, a 3840-pixel display of 0.7 m at 0.7 m.
-    #[arg(long, value_name = "N", conflicts_with = "no_flip", value_parser = values::ppd)]
+    #[arg(long, value_name = "N", conflicts_with = "no_flip", value_parser = values::ppd, allow_negative_numbers = true)]
     pub ppd: Option<f64>,
     /// Skip FLIP, which takes most of the time.
     #[arg(long)]

@@ -33,7 +33,12 @@ pub struct ConvertArguments {
     #[arg(long, value_name = "HOW")]
     pub transfer: Option<TransferArgument>,
     /// Bins in which the sensor counted nothing, counted from 0: they are interpolated from their neighbours in time.
-    #[arg(long, value_name = "BINS", value_delimiter = ',')]
+    #[arg(
+        long,
+        value_name = "BINS",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
     pub dead_bins: Vec<usize>,
     /// What to do with samples below 0. Default: keep.
     #[arg(long, value_name = "HOW")]
@@ -42,16 +47,16 @@ pub struct ConvertArguments {
     #[arg(long, value_name = "AXES")]
     pub to_axes: Option<Axes>,
     /// Keep these rows: the first, and the one after the last, counted from 0.
-    #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
+    #[arg(long, value_name = "FROM:TO", value_parser = values::range, allow_hyphen_values = true)]
     pub rows: Option<Range<usize>>,
     /// Keep these columns.
-    #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
+    #[arg(long, value_name = "FROM:TO", value_parser = values::range, allow_hyphen_values = true)]
     pub columns: Option<Range<usize>>,
     /// Keep these time bins.
-    #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
+    #[arg(long, value_name = "FROM:TO", value_parser = values::range, allow_hyphen_values = true)]
     pub bins: Option<Range<usize>>,
     /// Merge every N neighbouring bins into one: their sum.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     pub merge: Option<u32>,
     /// Values are per metre, not per bin: merged bins are means.
     #[arg(long)]
@@ -72,10 +77,10 @@ pub struct ConvertArguments {
     #[arg(long, value_name = "FILE")]
     pub surface: Option<PathBuf>,
     /// Refractive index of the medium, for --unwarp and --warp. Default: what the file says, or 1.
-    #[arg(long, value_name = "N", requires = "way", value_parser = values::positive)]
+    #[arg(long, value_name = "N", requires = "way", value_parser = values::positive, allow_negative_numbers = true)]
     pub medium_index: Option<f64>,
     /// Width of the input's bins, like "0.05 m" or "4 ps"; needed for --unwarp and --warp unless the file says it.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub bin_width: Option<Time>,
     /// Time at the start of the input's bin 0; the program then says where the output starts.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]

@@ -41,7 +41,7 @@ pub struct DiagramArguments {
     #[arg(long)]
     pub dark: bool,
     /// Pixels per point (1/72 inch) in a .png.
-    #[arg(long, value_name = "N", default_value_t = 3.0, value_parser = values::scale)]
+    #[arg(long, value_name = "N", default_value_t = 3.0, value_parser = values::scale, allow_negative_numbers = true)]
     pub scale: f64,
     /// Width and height of the page, points.
     #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]

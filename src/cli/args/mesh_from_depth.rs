@@ -32,13 +32,13 @@ pub struct MeshFromDepthArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true, default_value = "0,1,0")]
     pub up: DVec3,
     /// Field of view, like "40 deg"; pixels are square.
-    #[arg(long, value_name = "ANGLE")]
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
     pub fov: Angle,
     /// The axis of the film along which --fov is measured.
     #[arg(long, value_name = "AXIS", default_value = "x")]
     pub fov_axis: FovAxisArgument,
     /// Depth of the near plane on which the capture's rays began, metres.
-    #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = values::not_negative)]
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = values::not_negative, allow_negative_numbers = true)]
     pub near_clip: f64,
     /// Where the pulse of light was emitted, metres; for --from first-light.
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -50,7 +50,7 @@ pub struct MeshFromDepthArguments {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub start: Option<Time>,
     /// Width of a bin, like "0.05 m" or "4 ps"; needed unless the file says it.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub bin_width: Option<Time>,
     /// The array of an .npz file that holds several.
     #[arg(long, value_name = "NAME")]
@@ -59,16 +59,16 @@ pub struct MeshFromDepthArguments {
     #[arg(long, value_name = "AXES")]
     pub axes: Option<Axes>,
     /// Refractive index of the medium. Default: what the file says, or 1.
-    #[arg(long, value_name = "N", value_parser = values::positive)]
+    #[arg(long, value_name = "N", value_parser = values::positive, allow_negative_numbers = true)]
     pub medium_index: Option<f64>,
     /// Take a pixel's first maximum only above this fraction of its highest value. Default: 0.2.
-    #[arg(long, value_name = "FRACTION", value_parser = values::positive)]
+    #[arg(long, value_name = "FRACTION", value_parser = values::positive, allow_negative_numbers = true)]
     pub peak_fraction: Option<f64>,
     /// Leave out pixels below this fraction of the brightest: they are in shadow, where only indirect light arrives. Default: 0.02.
-    #[arg(long, value_name = "FRACTION", value_parser = values::positive)]
+    #[arg(long, value_name = "FRACTION", value_parser = values::positive, allow_negative_numbers = true)]
     pub dark_fraction: Option<f64>,
     /// Do not join neighbours whose distances differ by more than this many pixel widths and by more than they would on a plane.
-    #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive)]
+    #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive, allow_negative_numbers = true)]
     pub max_step: f64,
     #[command(flatten)]
     pub memory: MemoryLimit,

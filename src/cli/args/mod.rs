@@ -114,3 +114,6 @@ pub enum Command {
         directory: Option<PathBuf>,
     },
 }
+
+#[cfg(test)]
+mod tests;

@@ -45,7 +45,12 @@ pub struct RenderArguments {
     #[command(flatten)]
     pub lines: LineArguments,
     /// Distance between isochrones, with its unit. Default: a round number.
-    #[arg(long, value_name = "TIME", requires = "timed")]
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "timed",
+        allow_hyphen_values = true
+    )]
     pub isochrone_step: Option<Time>,
     /// Radiance and alpha of .exr files in half precision; the other channels stay in single precision.
     #[arg(long)]
@@ -95,14 +100,14 @@ pub struct PassArguments {
     /// Render passes of --spp samples until in each tile of 16 x 16 pixels the root mean square of the standard errors of its pixels (in R, G and B) is
     /// at most this fraction of the tile's mean radiance, or of the picture's where that is larger: "1 %" or 0.01. Noisy tiles get
     /// more passes. The files improve with every pass; after Ctrl-C, run the same command again to resume.
-    #[arg(long, value_name = "PERCENT", value_parser = values::relative_error)]
+    #[arg(long, value_name = "PERCENT", value_parser = values::relative_error, allow_hyphen_values = true)]
     pub error: Option<f64>,
     /// Render passes for this long: "60 s", "5 min" or "1 h"; but at least two. Without a unit, in seconds.
-    #[arg(long, value_name = "TIME", value_parser = values::work_time)]
+    #[arg(long, value_name = "TIME", value_parser = values::work_time, allow_hyphen_values = true)]
     pub budget: Option<f64>,
     /// Render at most this many passes, an even number. `nullray info` says how many a file has; the same number gives
     /// the same bits, with the same --error if one was given.
-    #[arg(long, value_name = "N", value_parser = values::passes)]
+    #[arg(long, value_name = "N", value_parser = values::passes, allow_negative_numbers = true)]
     pub passes: Option<u32>,
 }
 
@@ -145,7 +150,7 @@ pub struct FlashArguments {
     #[arg(long)]
     pub flash: bool,
     /// Number of reflections after the first: the scene's `render.bounces`. Default: what the scene says, and 2 for --flash.
-    #[arg(long, value_name = "N", help_heading = None::<&'static str>, value_parser = clap::value_parser!(u32).range(0..=i64::from(MOST_BOUNCES)))]
+    #[arg(long, value_name = "N", help_heading = None::<&'static str>, value_parser = clap::value_parser!(u32).range(0..=i64::from(MOST_BOUNCES)), allow_negative_numbers = true)]
     bounces: Option<u32>,
 }
 

@@ -88,7 +88,7 @@ pub struct Changes {
     #[command(flatten)]
     pub edits: Edits,
     /// The radiance that becomes white in a .png, as a percentile of the lit pixels: "95 %", or 95.
-    #[arg(long, value_name = "PERCENT", conflicts_with = "white", value_parser = values::percentage)]
+    #[arg(long, value_name = "PERCENT", conflicts_with = "white", value_parser = values::percentage, allow_hyphen_values = true)]
     pub exposure: Option<String>,
     /// The radiance that becomes white in a .png.
     #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]

@@ -109,12 +109,13 @@ impl Goal {
     }
 
     /// The warning that the bake did not reach the error asked for.
-    pub fn missed_by(self, baked: &Baked, chosen: &Chosen) -> Option<String> {
+    pub fn missed_by(self, path: &Path, baked: &Baked, chosen: &Chosen) -> Option<String> {
         let (wanted, error) = (100.0 * self.error?, 100.0 * baked.relative_error());
         (error > wanted).then(|| {
             let (next, wanted) = (2 * chosen.samples, short(wanted));
+            let path = path.display();
             format!(
-                "its error is {error:.2} %, more than the {wanted} % asked for: --spp {next} takes twice as long"
+                "{path}: its error is {error:.2} %, more than the {wanted} % asked for: --spp {next} takes twice as long"
             )
         })
     }

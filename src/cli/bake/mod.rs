@@ -12,7 +12,9 @@ use nullray::io::image::npz::{self, CubeOptions};
 use nullray::io::npy;
 use nullray::io::sealed::hexadecimal;
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface, Trials};
+use nullray::render::bake::{
+    self, Baked, Bins, Coordinates, CubePrecision, Surface, SurfaceNeeds, Trials,
+};
 use nullray::render::journal::Journal;
 use nullray::render::metadata;
 use nullray::render::plan::{Lit, Plan, Request, lit_by};
@@ -105,13 +107,17 @@ pub struct Bake<'a> {
 }
 
 impl Bake<'_> {
-    /// The bytes of the largest of `jobs`, each counted alone: every thread needs a texel or tile of its own beside the cube.
+    /// The bytes of the largest of `jobs`, each counted alone: every thread needs a row or tile of its own beside the cube.
     fn largest(&self, jobs: &[Job]) -> u64 {
         let threads = self.work.threads.count;
         let threads = threads.map_or_else(rayon::current_num_threads, usize::from);
         let bytes = |job: &Job| {
-            let size = job.size(self.scene);
-            bake::bytes(size, &self.bins, self.precision, threads).saturating_add(job.lists)
+            let (size, bins) = (job.size(self.scene), &self.bins);
+            match job.surface {
+                None => bake::camera_bytes(size, bins, self.precision, threads),
+                Some(_) => bake::surface_bytes(size, bins, self.precision, threads)
+                    .saturating_add(job.lists),
+            }
         };
         jobs.iter().map(bytes).max().unwrap_or(0)
     }
@@ -164,55 +170,100 @@ impl Bake<'_> {
         error
     }
 
-    /// Refuses overlapping charts, unless an atlas may replace them, and textures without enough room, before anything is baked.
+    /// Refuses overlapping charts, unless other coordinates may replace them, and textures without enough room, before anything is baked.
     fn check(&self, prepared: &Prepared, jobs: &mut [Job]) -> Result<()> {
-        let check = |surface: &Surface| {
-            bake::check_surface(self.scene, prepared, surface, &self.bins, self.precision)
-        };
         for job in jobs {
-            let holds_atlas = extension(&job.path) == "npz";
-            let Some(surface) = &mut job.surface else {
+            let Some(surface) = job.surface else {
                 bake::check_camera(self.scene, prepared)?;
                 continue;
             };
-            let is_chosen = self.coordinates.is_some() || surface.coordinates == Coordinates::Atlas;
-            let needs = match check(surface) {
-                // The coordinates of most models are made for textures, and overlap; some have a set for light, too.
-                Err(Error::Invalid(refusal)) if !is_chosen => {
-                    let other = (1..job.sets).find_map(|set| {
-                        let coordinates = Coordinates::Set(set);
-                        let surface = Surface {
-                            coordinates,
-                            ..*surface
-                        };
-                        Some((coordinates, check(&surface).ok()?))
-                    });
-                    let (coordinates, needs) = match other {
-                        Some(other) => other,
-                        None if holds_atlas => {
-                            let coordinates = Coordinates::Atlas;
-                            let surface = Surface {
-                                coordinates,
-                                ..*surface
-                            };
-                            (coordinates, check(&surface)?)
-                        }
-                        None => return Err(Error::Invalid(refusal)),
-                    };
-                    surface.coordinates = coordinates;
-                    let taken = match coordinates {
-                        Coordinates::Set(set) => format!("set {set} takes its place (--uv {set})"),
-                        Coordinates::Atlas => "an atlas takes their place (--atlas)".into(),
-                    };
-                    let text = format!("{}: {}: {taken}\n", refusal.place, refusal.what);
-                    say(self.work.quiet.on, &text)?;
-                    Ok(needs)
-                }
-                checked => checked,
-            }?;
+            let (coordinates, needs) = self.suitable(prepared, job, surface)?;
+            job.surface = Some(Surface {
+                coordinates,
+                ..surface
+            });
             (job.has_backs, job.lists) = (needs.backs, needs.lists);
         }
         Ok(())
+    }
+
+    /// The coordinates of `surface`, or others if none are asked for and light of one chart would show on another: those of most models are
+    /// made for textures, and overlap or touch; some have a set for light, too.
+    fn suitable(
+        &self,
+        prepared: &Prepared,
+        job: &Job,
+        surface: Surface,
+    ) -> Result<(Coordinates, SurfaceNeeds)> {
+        let check = |coordinates| {
+            let surface = Surface {
+                coordinates,
+                ..surface
+            };
+            bake::check_surface(self.scene, prepared, &surface, &self.bins, self.precision)
+        };
+        let first = surface.coordinates;
+        let checked = check(first);
+        let name = self.scene.objects[surface.object].name.escape_debug();
+        let too_near = |needs: SurfaceNeeds| {
+            format!(
+                "object \"{name}\": its charts are less than two texels apart: in {} light of one shows on another",
+                texels(needs.shared)
+            )
+        };
+        let problem = match &checked {
+            _ if first == Coordinates::Atlas => None,
+            Ok(needs) => (needs.shared > 0).then(|| too_near(*needs)),
+            Err(Error::Invalid(refusal)) if self.coordinates.is_none() => {
+                Some(format!("{}: {}", refusal.place, refusal.what))
+            }
+            Err(_) => None,
+        };
+        let checked = checked.map(|needs| (first, needs));
+        let mut found = checked.map_err(|error| in_archive(job, error));
+        let Some(problem) = problem else {
+            return found;
+        };
+        let holds_atlas = extension(&job.path) == "npz";
+        let mut others = Vec::new();
+        if self.coordinates.is_none() {
+            others.extend((1..job.sets).map(Coordinates::Set));
+            others.extend(holds_atlas.then_some(Coordinates::Atlas));
+        }
+        let quiet = self.work.quiet.on;
+        let tell = |coordinates| match coordinates {
+            _ if coordinates == first => Ok(()),
+            Coordinates::Set(set) => say(
+                quiet,
+                &format!("{problem}: set {set} takes its place (--uv {set})\n"),
+            ),
+            Coordinates::Atlas => say(
+                quiet,
+                &format!("{problem}: an atlas takes their place (--atlas)\n"),
+            ),
+        };
+        for coordinates in others {
+            let is_atlas = coordinates == Coordinates::Atlas;
+            match check(coordinates) {
+                Ok(needs) if needs.shared == 0 || is_atlas => {
+                    tell(coordinates)?;
+                    return Ok((coordinates, needs));
+                }
+                Ok(needs) => found = found.or(Ok((coordinates, needs))),
+                Err(error) if is_atlas => found = found.or(Err(error)),
+                Err(_) => {}
+            }
+        }
+        // Charts that are too near are baked if there is nothing better.
+        let (coordinates, needs) = found?;
+        tell(coordinates)?;
+        let atlas = match holds_atlas {
+            true => "--atlas",
+            false => "an .npz file, which can hold an atlas",
+        };
+        let help = format!("more --texels, if there is room between them, or {atlas}");
+        warn(quiet, &[format!("{}: {help}", too_near(needs))]);
+        Ok((coordinates, needs))
     }
 
     /// Prints what `jobs` would take.
@@ -317,9 +368,10 @@ impl Bake<'_> {
                     true => journal.remove()?,
                     false => finished.push(journal),
                 }
-                self.report(&plan, job, &baked, &table)?;
+                self.report(&plan, job, &baked, chosen.samples, &table)?;
                 if let Some(goal) = self.goal {
-                    warn(quiet, goal.missed_by(&baked, &chosen).as_slice());
+                    let missed = goal.missed_by(&job.path, &baked, &chosen);
+                    warn(quiet, missed.as_slice());
                 }
             }
             finished.into_iter().try_for_each(Journal::remove)?;
@@ -395,11 +447,19 @@ impl Bake<'_> {
     }
 
     /// Says what was written for `job`, which scenes show by the source `table`.
-    fn report(&self, plan: &Plan, job: &Job, baked: &Baked, table: &str) -> Result<()> {
+    fn report(
+        &self,
+        plan: &Plan,
+        job: &Job,
+        baked: &Baked,
+        samples: u32,
+        table: &str,
+    ) -> Result<()> {
         let (text, warnings) = report(
             (self.scene, plan),
             job,
             (baked, &self.bins, self.precision),
+            samples,
             table,
             self.of_flash,
         );
@@ -509,6 +569,25 @@ impl Progress for Kept<'_> {
 
     fn is_cancelled(&self) -> bool {
         self.0.is_cancelled()
+    }
+}
+
+/// The error about texture coordinates; only an archive can hold those that it advises to make.
+fn in_archive(job: &Job, mut error: Error) -> Error {
+    if let Error::Invalid(problem) = &mut error
+        && problem.help.starts_with(&Setting::Atlas.to_string())
+        && extension(&job.path) != "npz"
+    {
+        problem.help = Message::from("in an .npz file ") + problem.help.clone();
+    }
+    error
+}
+
+/// A number of texels.
+fn texels(count: u64) -> String {
+    match count {
+        1 => "1 texel".into(),
+        count => format!("{count} texels"),
     }
 }
 

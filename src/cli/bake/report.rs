@@ -4,7 +4,7 @@ use nullray::error::number;
 use nullray::mesh::Factors;
 use nullray::render::bake::{self, Baked, Bins, Captured, Coordinates, CubePrecision, Surface};
 use nullray::render::metadata;
-use nullray::render::plan::Plan;
+use nullray::render::plan::{self, Plan};
 use nullray::render::prepare::Prepared;
 use nullray::scene::model::{CubeBacks, Scene};
 use nullray::spacetime::Quantity;
@@ -35,10 +35,10 @@ pub fn planned(
         let samples = u64::from(w) * u64::from(h) * bins.count as u64 * 3;
         let bytes = samples * precision.bytes();
         text += &format!(
-            "{}: {rows} rows × {w} columns × {} bins{backs}, {:.1} MB, and as much again for its parts while it is being made\n",
+            "{}: {rows} rows × {w} columns × {} bins{backs}, {} on disk, and as much again for its parts while it is being made\n",
             job.path.display(),
             bins.count,
-            bytes as f64 / 1e6
+            plan::bytes(bytes)
         );
         if let Some(gloss) = gloss((scene, plan), job) {
             text += &format!("  note      {gloss}\n");
@@ -52,6 +52,7 @@ pub fn report(
     (scene, plan): (&Scene, &Plan),
     job: &Job,
     (baked, bins, precision): (&Baked, &Bins, CubePrecision),
+    samples: u32,
     table: &str,
     // Its bins hold what its film shows, and not all of a wide ground.
     is_of_flash: bool,
@@ -96,38 +97,39 @@ pub fn report(
     };
     let part = |energy: f64| 100.0 * energy / all;
     text += &format!("light arrives between {from:.6} m and {to:.6} m");
-    if baked.is_dark() && energy.held > 0.0 {
-        let what =
-            "what falls into the bins is too little for the numbers of the file: they are dark";
-        warnings.push(what.into());
-    } else if baked.is_dark() {
-        let end = bins.start + bins.width * bins.count as f64;
-        warnings.push(format!(
+    let (before, after) = (part(energy.before), part(energy.after));
+    let missed = [before, after].map(|missed| missed > MISSED && !is_of_flash);
+    let lacking = match (baked.is_dark(), missed) {
+        (true, _) if energy.held > 0.0 => Some(
+            "what falls into the bins is too little for the numbers of the file: they are dark"
+                .into(),
+        ),
+        (true, _) => Some(format!(
             "none of its light falls into the bins, which are from {} m to {} m: they are dark",
             number(bins.start),
-            number(end)
-        ));
-    } else if !is_of_flash {
-        let (before, after) = (part(energy.before), part(energy.after));
-        match [before, after].map(|missed| missed > MISSED) {
-            [true, true] => warnings.push(format!(
-                "{before:.2} % of the light arrives before the first bin, and {after:.2} % after the last bin"
-            )),
-            [true, false] => warnings.push(format!(
-                "{before:.2} % of the light arrives before the first bin"
-            )),
-            [false, true] => warnings.push(format!(
-                "{after:.2} % of the light arrives after the last bin"
-            )),
-            [false, false] => {}
-        }
-    }
+            number(bins.start + bins.width * bins.count as f64)
+        )),
+        (false, [true, true]) => Some(format!(
+            "{before:.2} % of the light arrives before the first bin, and {after:.2} % after the last bin"
+        )),
+        (false, [true, false]) => Some(format!(
+            "{before:.2} % of the light arrives before the first bin"
+        )),
+        (false, [false, true]) => Some(format!(
+            "{after:.2} % of the light arrives after the last bin"
+        )),
+        (false, [false, false]) => None,
+    };
     let help =
         "leave --half out, or make the lamps brighter and give the source the inverse `scale`";
-    warnings.extend(faint((baked.faint, &precision.dtype()), help));
+    let faint = faint((baked.faint, &precision.dtype()), help);
+    let of_file = |text: String| format!("{}: {text}", job.path.display());
+    warnings.extend(lacking.into_iter().chain(faint).map(of_file));
     let error = 100.0 * baked.relative_error();
     if error.is_finite() {
         text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");
+    } else if samples == 1 {
+        text += "\nstandard error of a bin: not known, of one sample each";
     }
     (text + "\n\n" + table, warnings)
 }

@@ -14,6 +14,9 @@
 //! visible from v are sampled as in Heitz, JCGT 7(4), 2018, for which f (n·l)/pdf = F G₂/G₁. A surface with m = 0 and r = 1 is treated as
 //! purely diffuse: f = c/π.
 //!
+//! f does not conserve energy. D V is single scattering: light that meets a second microfacet is lost, and a white metal reflects less the
+//! rougher it is. The diffuse part of a dielectric, weighted by 1 − F(v·h), reflects too much at grazing angles. The guide has the numbers.
+//!
 //! The files of this folder derive the rest: sampling of directions, smooth glass, and interpolated normals.
 
 use std::f64::consts::{FRAC_1_PI, PI};

@@ -156,7 +156,7 @@ impl<'a> Pixels<'a> {
                 pixels.iter_mut().for_each(Histogram::end_part);
             }
         }
-        let mut part = Part::new(self.bins);
+        let mut part = Part::new(self.bins, tile.pixels());
         pixels.iter().for_each(|pixel| part.push(pixel));
         Ok(part)
     }

@@ -26,6 +26,7 @@
 //! nothing that shines or reflects lies behind any triangle, none can, and these rows take no memory and no time.
 
 mod camera;
+mod charts;
 mod histogram;
 mod part;
 mod stored;
@@ -47,7 +48,7 @@ use crate::render::film::TILE;
 use crate::render::prepare::Prepared;
 use crate::render::trace::{RestFrame, TimedPaths};
 use crate::scene::model::{
-    Binding, Clock, CubeBacks, LightKind, Motion, Scene, SourceKind, Spectra,
+    Binding, Clock, CubeBacks, EmissionProfile, LightKind, Motion, Scene, SourceKind, Spectra,
 };
 use crate::spacetime::Velocity;
 
@@ -179,24 +180,43 @@ impl Baked {
 /// Parts of the samples of a texel: few, because samples within a part are better distributed, and the error is averaged over many texels.
 const PARTS: u32 = 2;
 
-/// Bytes of a cube of `size` (columns and rows, of both sides of a surface that has [light on its back](SurfaceNeeds::backs)) and `bins`,
-/// and of the sums in progress on this many threads.
-pub fn bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision, threads: usize) -> u64 {
+/// Bytes per bin of the sums of a pixel or texel: two of three channels, two for the error, and those of wide pulses in at most half as
+/// many bins and as many impulses, each f64.
+const SUMS: u64 = 8 * 8 + 36;
+/// Bytes per bin of its result, and of that as bytes of a journal.
+const RESULT: u64 = 2 * 12;
+
+/// Bytes of a camera's cube of `size` (columns and rows) and `bins`, and of the tiles in progress on this many threads.
+pub fn camera_bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision, threads: usize) -> u64 {
+    let texels = u64::from(size[0]) * u64::from(size[1]);
+    let tile = u64::from(TILE * TILE).min(texels) * (SUMS + RESULT);
+    cube_bytes(size, bins, precision).saturating_add(of_threads(tile, bins, threads))
+}
+
+/// Bytes of a surface's cube of `size` (columns and rows, of both sides if it has [light on its back](SurfaceNeeds::backs)) and `bins`, and of
+/// the rows in progress on this many threads; [lists](SurfaceNeeds::lists) come on top.
+pub fn surface_bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision, threads: usize) -> u64 {
+    // Only one texel of a row is summed at a time, and no more rows than there are.
+    let row = SUMS + u64::from(size[0]) * RESULT;
+    let threads = threads.min(size[1] as usize);
+    cube_bytes(size, bins, precision).saturating_add(of_threads(row, bins, threads))
+}
+
+/// Bytes of parts in progress, one per thread, of so many bytes per bin.
+fn of_threads(part: u64, bins: &Bins, threads: usize) -> u64 {
+    part.saturating_mul(bins.count as u64)
+        .saturating_mul(threads as u64)
+}
+
+fn cube_bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision) -> u64 {
     let [columns, rows] = size.map(u64::from);
-    let texels = columns * rows;
+    let texels = columns.saturating_mul(rows);
     let bins = bins.count as u64;
-    // The sums of a tile: two of three channels, two for the error, and those of wide pulses in at most half as many bins and as many
-    // impulses, each f64; then its result, and that as bytes of a journal. Of a row of texels, only one texel is summed at a time.
-    let (sums, becomes) = (8 * 8 + 36, 2 * 12);
-    let tile = u64::from(TILE * TILE).min(texels) * (sums + becomes);
-    let row = sums + columns * becomes;
-    let part = bins.saturating_mul(tile.max(row));
     // Besides its numbers: errors by row and bin, and coverage of texels, twice.
     let each = 3 * precision.bytes();
     let cube = texels.saturating_mul(bins).saturating_mul(each);
     let beside = rows.saturating_mul(8 * bins).saturating_add(2 * texels);
     cube.saturating_add(beside)
-        .saturating_add(part.saturating_mul(threads as u64))
 }
 
 /// Refuses scenes whose light cannot be baked.
@@ -229,13 +249,22 @@ pub fn check(scene: &Scene) -> Result<()> {
     // Light that never ends would need infinitely many bins.
     for light in &scene.lights {
         let place = format!("light \"{}\"", light.name);
-        let with_an_end = "give it an emission with an end, like emission = { gaussian = { sigma = \"5 cm\" } }, or follow light with `render.bounces`";
+        let with_an_end = |emission: &EmissionProfile| match emission {
+            EmissionProfile::Train { .. } => {
+                "give its train a `count` of pulses, or follow light with `render.bounces`"
+            }
+            EmissionProfile::Steady
+            | EmissionProfile::Gaussian { .. }
+            | EmissionProfile::Table(_) => {
+                "give it an emission with an end, like emission = { gaussian = { sigma = \"5 cm\" } }, or follow light with `render.bounces`"
+            }
+        };
         let lamp = match &light.kind {
             LightKind::Lamp(lamp) => lamp,
             // Its object is at rest relative to the others.
             LightKind::Area { emission, .. } => match Emission::from(emission).span() {
                 Some(_) => continue,
-                None => return refuse(place, FOR_EVER.into(), with_an_end),
+                None => return refuse(place, FOR_EVER.into(), with_an_end(emission)),
             },
         };
         if lamp.motion != Motion::Inertial || moves(lamp.velocity) {
@@ -244,7 +273,7 @@ pub fn check(scene: &Scene) -> Result<()> {
             return refuse(place, what, help);
         }
         if Emission::from(&lamp.emission).span().is_none() {
-            return refuse(place, FOR_EVER.into(), with_an_end);
+            return refuse(place, FOR_EVER.into(), with_an_end(&lamp.emission));
         }
     }
     if scene.sky.as_ref().is_some_and(|sky| sky.lights) {

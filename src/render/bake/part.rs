@@ -42,8 +42,12 @@ impl Default for Summary {
 }
 
 impl Part {
-    pub fn new(bins: &Bins) -> Self {
-        let mut part = Part::default();
+    /// One without texels, with room for this many.
+    pub fn new(bins: &Bins, texels: usize) -> Self {
+        let mut part = Part {
+            values: Vec::with_capacity(3 * bins.count * texels),
+            ..Part::default()
+        };
         part.summary.error_squares = vec![0.0; bins.count];
         part
     }
@@ -105,8 +109,10 @@ impl Part {
             to,
             *energy_squares,
         ];
-        let mut bytes = texels.to_le_bytes().to_vec();
         let numbers = numbers.iter().chain(error_squares);
+        let count = 8 * (1 + numbers.clone().count()) + self.covered.len() + 4 * self.values.len();
+        let mut bytes = Vec::with_capacity(count);
+        bytes.extend(texels.to_le_bytes());
         bytes.extend(numbers.flat_map(|x| x.to_le_bytes()));
         bytes.extend(self.covered.iter().map(|covered| u8::from(*covered)));
         bytes.extend(self.values.iter().flat_map(|x| x.to_le_bytes()));

@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
+use super::charts::{self, reached};
 use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::stored::Stored;
@@ -159,7 +160,7 @@ impl Texels<'_> {
             paths,
             bins,
         } = self;
-        let mut part = Part::new(bins);
+        let mut part = Part::new(bins, columns.size_hint().0);
         for j in columns {
             progress.check()?;
             let mut texel = Histogram::new(bins);
@@ -178,6 +179,8 @@ pub struct SurfaceNeeds {
     pub backs: bool,
     /// Bytes of the per-texel lists of triangles.
     pub lists: u64,
+    /// Number of texels that lookups on several charts read, where light of one shows on another: charts less than two texels apart.
+    pub shared: u64,
 }
 
 /// Refuses the surfaces that [`surface_cube`] would refuse, before any light is traced, including most overlapping charts; otherwise
@@ -200,6 +203,7 @@ pub fn check_surface(
     Ok(SurfaceNeeds {
         backs: charts.has_lit_backs,
         lists: charts.bytes(),
+        shared: charts.shared,
     })
 }
 
@@ -230,6 +234,8 @@ pub(super) struct Charts<'a> {
     /// By texel, where its candidate triangles begin in `listed`; the last entry is the end of the list.
     begins: Vec<u32>,
     listed: Vec<u32>,
+    /// Texels that lookups on several charts read.
+    shared: u64,
     size: [usize; 2],
     /// Whether light may reach a visible back.
     pub has_lit_backs: bool,
@@ -266,6 +272,7 @@ impl<'a> Charts<'a> {
             triangles: Vec::new(),
             begins: Vec::new(),
             listed: Vec::new(),
+            shared: 0,
             size,
             has_lit_backs: false,
             left: memory,
@@ -306,6 +313,7 @@ impl<'a> Charts<'a> {
         }
         charts.list()?;
         charts.check_areas(rest)?;
+        charts.count_shared(rest)?;
         let backs = charts.triangles.iter().filter(|t| t.has_back);
         charts.has_lit_backs = paths.may_light_backs(backs.map(|t| t.slot));
         Ok(charts)
@@ -338,8 +346,9 @@ impl<'a> Charts<'a> {
     /// Refuses light of backs that needs more memory than is left.
     fn check_backs(&self, bins: &Bins, precision: CubePrecision) -> Result<()> {
         let [width, height] = self.size.map(|n| n as u32);
-        let of_sides =
-            |sides: u32| super::bytes([width, height.saturating_mul(sides)], bins, precision, 0);
+        let of_sides = |sides: u32| {
+            super::surface_bytes([width, height.saturating_mul(sides)], bins, precision, 0)
+        };
         let more = of_sides(2) - of_sides(1);
         if !self.has_lit_backs || more <= self.left {
             return Ok(());
@@ -476,6 +485,20 @@ impl<'a> Charts<'a> {
         Ok(())
     }
 
+    /// Counts the texels that lookups on several charts read.
+    fn count_shared(&mut self, rest: &RestFrame) -> Result<()> {
+        let left = self.left;
+        let texels = self.size[0] * self.size[1];
+        self.take(charts::BYTES * self.triangles.len() + size_of::<u32>() * texels)?;
+        let corners = |k: usize| {
+            let triangle = &self.triangles[k];
+            (rest.bvh.corners(triangle.slot), triangle.corners)
+        };
+        self.shared = charts::shared(self.triangles.len(), corners, self.size);
+        self.left = left;
+        Ok(())
+    }
+
     /// Subtracts `bytes` from the memory left.
     fn take(&mut self, bytes: usize) -> Result<()> {
         match self.left.checked_sub(bytes as u64) {
@@ -606,36 +629,10 @@ fn is_inside([u, v]: [f64; 2]) -> bool {
 }
 
 impl ChartTriangle {
-    /// The rows of texels that the triangle touches, and the range of columns in each: between the extremes of its edges within the row.
+    /// The texels that the triangle touches, as [`reached`] returns them.
     fn reaches(&self, size: [usize; 2]) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
         // Distance within which rounding may put points inside, texels.
-        const MARGIN: f64 = 1e-6;
-        let corners = self.corners;
-        let span = |low: f64, high: f64, size: usize| {
-            (low - MARGIN).max(0.0) as usize..((high + MARGIN).max(0.0) as usize + 1).min(size)
-        };
-        let low = corners[0].min(corners[1]).min(corners[2]);
-        let high = corners[0].max(corners[1]).max(corners[2]);
-        span(low.y, high.y, size[1]).map(move |i| {
-            let [from, to] = [i as f64 - MARGIN, i as f64 + 1.0 + MARGIN];
-            let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
-            for (k, p) in corners.into_iter().enumerate() {
-                let q = corners[(k + 1) % 3];
-                if p.y.max(q.y) < from || p.y.min(q.y) > to {
-                    continue;
-                }
-                for end in [p, q] {
-                    // If an end is outside the row, the edge counts where it crosses the border of the row.
-                    let y = end.y.clamp(from, to);
-                    let x = match y == end.y {
-                        true => end.x,
-                        false => p.x + (q.x - p.x) * ((y - p.y) / (q.y - p.y)),
-                    };
-                    (left, right) = (left.min(x), right.max(x));
-                }
-            }
-            (i, span(left, right, size[0]))
-        })
+        reached(self.corners, 1e-6, size)
     }
 
     /// Whether it degenerates to a point or a line on a texture of this size.

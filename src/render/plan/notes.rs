@@ -303,7 +303,7 @@ pub(crate) fn unfound_light(
     }
     remedies.push("a shining object (a light with `object`) in place of the lamp");
     Some(format!(
-        "the light of {}, which has no extent, cannot be sampled {}: the picture and its standard error lack it \
+        "lamps without extent ({}): their light cannot be sampled {}, so it is missing, and the standard error does not include it \
          (remedy: {})",
         listed(&lamps),
         ways.join(" or "),

@@ -167,7 +167,8 @@ cases! { SETTINGS:
     "exposure = \"98 %\"" => "back_faces = \"front\"" at "display.back_faces" "\"front\"": "front is not one of", "Which faces";
     "samples_per_pixel = 16" => "samples_per_pixel = 0" at "display.samples_per_pixel" "0": "0 samples", "1 to 65536";
     "samples_per_pixel = 16" => "samples_per_pixel = 65537" at "display.samples_per_pixel" "65537": "65537 samples", "1 to 65536";
-    "[display]" => "[render]\nbounces = -1\n[display]" at "render.bounces" "-1": "-1 is not a whole number from 0 to 4294967295", "0 to 64";
+    "[display]" => "[render]\nbounces = -1\n[display]" at "render.bounces" "-1": "-1 is not a whole number, 0 or above", "0 to 64";
+    "[display]" => "[render]\nbounces = 5000000000\n[display]" at "render.bounces" "5000000000": "5000000000 is too large", "0 to 64";
     "[display]" => "[render]\nbounces = 2.5\n[display]" at "render.bounces" "2.5": "2.5 is not a whole number", "0 to 64";
     "size = [64, 48]" => "size = [64, \"a\"]" at "camera.size[1]" "\"a\"": "string \"a\" is not a whole number", "Width and height";
     "[display]" => "[render]\nbounces = 65\n[display]" at "render.bounces" "65": "65 bounces", "0 to 64";

@@ -1,8 +1,11 @@
 //! `nullray bake`: the file that it writes is a source as described.
 
+use glam::DVec3;
 use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Wanted};
+use nullray::io::gltf;
 use nullray::io::image::exr;
+use nullray::mesh::Mesh;
 use serde_json::json;
 
 use super::Folder;
@@ -221,7 +224,7 @@ fn an_archive_says_what_it_is_of_and_a_plan_what_it_takes() {
     ];
     let said = folder.ok(&[&bake[..], &["--plan", "-o", "a.npz"]].concat());
     assert!(
-        said.contains("a.npz: 32 rows × 64 columns × 150 bins, 3.7 MB"),
+        said.contains("a.npz: 32 rows × 64 columns × 150 bins, 3.5 MiB on disk, and as much again"),
         "{said}"
     );
     assert!(said.contains("memory"), "{said}");
@@ -256,6 +259,7 @@ fn an_atlas_is_written_with_the_light_and_read_by_the_object() {
     ];
     // The faces of a box share their coordinates.
     for (options, words) in [
+        (["--uv=0", "-o=light.npy"], "in an .npz file --atlas"),
         (["--uv=0", "-o=light.npz"], "charts overlap"),
         (["--uv=0", "-o=light.npz"], "--atlas"),
         (["--threads=2", "-o=light.npy"], "charts overlap"),
@@ -370,6 +374,88 @@ fn a_second_set_of_texture_coordinates_is_taken_where_the_first_overlaps() {
     );
 }
 
+/// A floor on the left of its texture, up to `end`, and on the right from `begin` on a ceiling, which no light reaches.
+fn room(folder: &Folder, end: f32, begin: f32) {
+    let quad = |corners: [[f64; 3]; 4]| corners.map(DVec3::from);
+    let floor = quad([[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]]);
+    let ceiling = quad([[-1., 3., -1.], [1., 3., -1.], [1., 3., 1.], [-1., 3., 1.]]);
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let mut mesh = Mesh::new([floor, ceiling].concat(), triangles, [1.0; 3]);
+    let half = |left: f32, right: f32| [[left, 1.0], [right, 1.0], [right, 0.0], [left, 0.0]];
+    mesh.uvs = vec![[half(0.0, end), half(begin, 1.0)].concat()];
+    gltf::save(&folder.path("room.glb"), "room", &mesh).unwrap();
+    let camera = "[camera]\neye = [0, 1, 0]\nlook_at = [0, 3, 0.001]\nup = [0, 0, 1]\nhfov = \"70 deg\"\nsize = [32, 32]\ntime = \"9 m\"\n";
+    let object = "[[object]]\nname = \"room\"\ngltf = \"room.glb\"\n";
+    folder.write("room.toml", format!("{camera}{object}"));
+    let lamp = LIGHT.replace("[0.5, 1.5, 0]", "[0, 5, 6]");
+    let lamp = lamp.replace("30 cm", "1 m").replace("= 5\n", "= 300\n");
+    folder.write("lit.toml", format!("{camera}{object}{lamp}"));
+}
+
+/// The largest radiance on the ceiling, by the light that a bake printed.
+fn on_the_ceiling(folder: &Folder, said: &str) -> f64 {
+    let (_, tables) = said.split_once("\n\n").unwrap();
+    let (key, source) = match tables.split_once("# texture_coordinates") {
+        Some((_, rest)) => {
+            let (key, source) = rest.split_once('\n').unwrap();
+            (format!("texture_coordinates{key}\n"), source)
+        }
+        None => (String::new(), tables),
+    };
+    let (source, _) = source.split_once("\nwarning").unwrap_or((source, ""));
+    let scene = folder.read("room.toml");
+    let scene = String::from_utf8_lossy(&scene).into_owned();
+    folder.write("baked.toml", format!("{scene}{key}{source}"));
+    folder.ok(&["render", "baked.toml", "-o", "a.exr", "--spp", "4", "-q"]);
+    let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
+    let radiance = layers.radiance().unwrap();
+    radiance.into_iter().flatten().fold(0.0, f64::max)
+}
+
+#[test]
+fn no_light_of_one_chart_shows_on_another() {
+    let folder = Folder::empty();
+    let bake = |options: &[&str]| {
+        let bake = [
+            "bake",
+            "lit.toml",
+            "--bin-width=20 cm",
+            "--bins=80",
+            "--spp=4",
+            "--texels=8x8",
+        ];
+        let run = folder.run(&[&bake[..], options].concat());
+        assert_eq!(run.code, 0, "{}", run.message());
+        (run.stdout, run.stderr)
+    };
+    room(&folder, 0.5, 0.5);
+    let words = "object \"room\": its charts are less than two texels apart: in 16 texels light of one shows on another";
+    let (said, _) = bake(&["-o=light.npz"]);
+    assert!(
+        said.contains(words) && said.contains("an atlas takes their place (--atlas)"),
+        "{said}"
+    );
+    assert_eq!(on_the_ceiling(&folder, &said), 0.0);
+    // Coordinates that are asked for are used, and so are those that nothing can replace.
+    for (options, advice) in [
+        (&["--uv=0", "-o=light.npz"][..], "or --atlas"),
+        (&["-o=light.npy"], "an .npz file, which can hold an atlas"),
+    ] {
+        let (said, warned) = bake(options);
+        assert!(
+            warned.contains(words) && warned.contains(advice),
+            "{warned}"
+        );
+        assert!(on_the_ceiling(&folder, &said) > 0.01);
+    }
+    // Two texels between them are enough.
+    room(&folder, 3.0 / 8.0, 5.0 / 8.0);
+    let (said, warned) = bake(&["-o=light.npz"]);
+    let all = said.clone() + &warned;
+    assert!(!all.contains("texels apart"), "{all}");
+    assert_eq!(on_the_ceiling(&folder, &said), 0.0);
+}
+
 #[test]
 fn bounces_are_those_of_the_scene_unless_the_command_line_gives_others() {
     let folder = Folder::empty();
@@ -426,13 +512,29 @@ fn bins_that_miss_light_say_how_much() {
         "--texels=8x8",
     ]);
     assert!(
-        said.starts_with("warning: ")
+        said.starts_with("warning: lit-light.npz: ")
             && said.contains(" % of the light arrives after the last bin"),
         "{said}"
     );
     // Nothing is missed before the bins, and so nothing is said of it.
     assert!(!said.contains("before the first bin"), "{said}");
     assert!(said.contains("wrote lit-light.npz"), "{said}");
+    // One sample tells no error, which `info` says, too.
+    let one = [
+        "bake",
+        "lit.toml",
+        "--bin-width=30 cm",
+        "--bins=80",
+        "--texels=8x8",
+        "--spp=1",
+    ];
+    let said =
+        folder.ok(&[&one[..], &["-o", "one.npz"]].concat()) + &folder.ok(&["info", "one.npz"]);
+    assert!(
+        said.contains("standard error of a bin: not known, of one sample each")
+            && said.contains("not known: of one sample per texel"),
+        "{said}"
+    );
     // Of bins before all light there is no error, but a word on when it comes.
     let early = [
         "--start=-9 m",
@@ -442,7 +544,7 @@ fn bins_that_miss_light_say_how_much() {
         "--spp=4",
     ];
     let said = folder.ok(&[&["bake", "lit.toml", "-o", "early.npz"], &early[..]].concat());
-    let words = "warning: none of its light falls into the bins, which are from -9 m to -7.6 m: they are dark";
+    let words = "warning: early.npz: none of its light falls into the bins, which are from -9 m to -7.6 m: they are dark";
     assert!(
         said.contains("light arrives between") && said.contains(words),
         "{said}"
@@ -595,10 +697,14 @@ fn backs_take_memory_where_light_may_come_to_them() {
             let more = ["--plan", "--threads=1", "--max-memory", memory];
             folder.run(&[&["bake", "lit.toml"], &options[..], &more].concat())
         };
-        // The numbers of one side take 786 MB.
+        // The numbers of one side take 750 MiB.
         let run = bake("10 GB");
-        let words = "and as many rows of backs if light comes to any, 1572.9 MB";
-        let plan = if backs { words } else { "1000 bins, 786.4 MB" };
+        let words = "and as many rows of backs if light comes to any, 1.5 GiB on disk";
+        let plan = if backs {
+            words
+        } else {
+            "1000 bins, 750.0 MiB on disk"
+        };
         assert!(
             run.stdout.contains(plan),
             "{more}: {}{}",

@@ -118,6 +118,33 @@ fn an_object_that_shines_for_ever_is_refused_in_a_plan_too() {
 }
 
 #[test]
+fn a_train_without_an_end_is_told_how_to_have_one() {
+    let folder = Folder::empty();
+    let train = "gaussian = { sigma = \"30 cm\" }";
+    let bake = |count: &str| {
+        let endless = format!("train = {{ sigma = \"30 cm\", period = \"2 m\"{count} }}");
+        folder.write(
+            "lit.toml",
+            FLASH.to_owned() + &LIGHT.replace(train, &endless),
+        );
+        folder.run(&[
+            "bake",
+            "lit.toml",
+            "--bin-width=1 m",
+            "--texels=4x4",
+            "--spp=1",
+        ])
+    };
+    let said = bake("").message();
+    assert!(
+        said.contains("it never stops shining")
+            && said.contains("give its train a `count` of pulses"),
+        "{said}"
+    );
+    assert_eq!(bake(", count = 2").code, 0);
+}
+
+#[test]
 fn what_cannot_be_baked_of_one_object_is_refused_before_the_others_are_baked() {
     let folder = Folder::empty();
     let chest = "[[object]]\nname = \"chest\"\nshape = { box = { size = [1, 1, 1] } }\n";

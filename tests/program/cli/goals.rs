@@ -99,7 +99,11 @@ fn a_bake_without_time_takes_the_fewest_samples_and_says_what_it_lacks() {
     let (samples, error) = chosen(&run.stdout);
     assert!(samples == 2 && error > 1.0, "{samples} {error}");
     let lacking = "more than the 1 % asked for: --spp 4 takes twice as long";
-    assert!(run.stderr.contains(lacking), "{}", run.stderr);
+    assert!(
+        run.stderr.contains(lacking) && run.stderr.contains("a.npz: its error is"),
+        "{}",
+        run.stderr
+    );
     // With time, the error decides.
     let said = folder.ok(&[&FLOOR[..], &["--budget=1 h", "--error=8 %", "-o", "b.npz"]].concat());
     assert!(chosen(&said).1 <= 8.0, "{said}");

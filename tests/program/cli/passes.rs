@@ -67,6 +67,15 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
     }
     assert!(whole.read("a.npz") == parts.read("a.npz"));
     assert!(parts.path("a.npz.passes").exists());
+    // The same command again would trace nothing: more passes continue.
+    let said = parts.ok(&[&TO_NPZ[..], &goal, &["24"]].concat());
+    assert!(
+        said.contains("these were all 24 passes; --passes 48 continues from a.npz.passes")
+            && !said.contains("run the same command again"),
+        "{said}"
+    );
+    let said = parts.ok(&[&TO_NPZ[..], &goal, &["26", "--budget=0"]].concat());
+    assert!(said.contains("resuming after pass 24"), "{said}");
     // Of another scene, the sums are begun anew; of an error that is reached, none stay.
     parts.write("soft.toml", SOFT.replace("radiance = 3", "radiance = 4"));
     let said = parts.ok(&[&TO_NPZ[..], &["--error", "60 %"]].concat());
@@ -207,7 +216,7 @@ fn passes_of_what_does_not_improve_are_refused() {
         (&["--budget", "60 m"], "a time like \"60 s\""),
         (
             &["--error", "1 %", "--frames", "0..3", "--interval", "1 m"],
-            "a sequence",
+            "render each picture with a --time of its own",
         ),
         (&["--error", "1 %", "--method", "raster:none"], "ray tracer"),
         (&["--error", "1 %", "--stats"], "statistics"),
@@ -293,4 +302,18 @@ fn sums_are_taken_up_again_however_their_picture_is_shown_and_whatever_is_writte
         let said = parts.ok(&[&TO_NPZ[..2], &arguments[..], more].concat());
         assert!(said.contains("starting over"), "{more:?}: {said}");
     }
+}
+
+#[test]
+fn the_memory_of_passes_is_said_at_once() {
+    let folder = folder();
+    let needed = |limit: &str| {
+        let size = ["--size=2000x2000", "--passes=2", "--max-memory", limit];
+        let run = folder.run(&[&TO_NPZ[..], &size].concat());
+        assert_eq!(run.code, 2);
+        let (_, said) = run.stderr.split_once("needs about ").unwrap();
+        said.split_once(',').unwrap().0.to_owned()
+    };
+    // Neither holds the sums of the passes; the first not even the picture.
+    assert_eq!(needed("200MiB"), needed("600MiB"));
 }

@@ -104,7 +104,7 @@ pub fn percentile(scene: &Scene) -> Option<Exposure> {
 }
 
 /// The white radiance that exposes for the surfaces of `scenes`, whatever the sky is like: the 99th percentile of their brightest channel
-/// in small pictures, to three digits; `None` if no surface is visible.
+/// in small pictures, to three digits.
 ///
 /// Surfaces that shine may be far brighter than those that they light. Pixels with more emitted than reflected light are brighter than white,
 /// if need be, so that the others are well exposed; unless these are fewer, or dark.
@@ -115,7 +115,7 @@ pub fn of_surfaces(
     scenes: &[Scene],
     request: &Request,
     mut prepared: Option<&mut Prepared>,
-) -> Result<Option<f64>> {
+) -> Result<Measured> {
     let request = Request {
         memory_limit: request.memory_limit,
         ..Request::default()
@@ -142,7 +142,10 @@ pub fn of_surfaces(
         seen.extend(pixels);
     }
     if seen.iter().all(is_dark) {
-        return Ok(None);
+        return Ok(match seen.is_empty() {
+            true => Measured::Unknown,
+            false => Measured::Dark,
+        });
     }
     let mut white = tonemap::white(&seen, Exposure::Percentile(99.0))?;
     if 2 * lit.len() >= seen.len() && !lit.iter().all(is_dark) {
@@ -150,9 +153,36 @@ pub fn of_surfaces(
     }
     // Scene files do not allow such a white: the light is shifted out of the visible range.
     if white < DARKEST_WHITE {
-        return Ok(None);
+        return Ok(Measured::Unknown);
     }
-    Ok(format!("{white:.2e}").parse().ok())
+    let short = format!("{white:.2e}").parse();
+    Ok(short.map_or(Measured::Unknown, Measured::White))
+}
+
+/// An exposure for surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Measured {
+    /// The white radiance.
+    White(f64),
+    /// All surfaces in view are black.
+    Dark,
+    /// No surface is in view, or its light is out of sight.
+    Unknown,
+}
+
+impl Measured {
+    /// The white radiance, if there is one; says, unless `quiet`, if a model is black.
+    pub fn of_model(self, quiet: bool) -> Result<Option<f64>> {
+        match self {
+            Measured::White(white) => Ok(Some(white)),
+            Measured::Unknown => Ok(None),
+            Measured::Dark => {
+                let text = "nothing of the model in view is lit, so that it is black: no light reaches it, or it reflects none \
+                            (--print-scene writes a scene to which you can add lights)\n";
+                super::say(quiet, text).map(|()| None)
+            }
+        }
+    }
 }
 
 /// The pixels of `film` that show a surface.

@@ -144,7 +144,7 @@ impl Rendered {
         let prepared = Some(&self.prepared);
         let blackness = remarks::blackness(scene, &self.film, !shift.is_empty(), prepared);
         say(quiet, &blackness)?;
-        say(quiet, &remarks::only_sky(scene, &self.film))?;
+        say(quiet, &remarks::only_sky(scene, &self.film, &self.prepared))?;
         say(
             quiet,
             &remarks::other_times(scene, &self.film, &mut self.prepared),

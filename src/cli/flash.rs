@@ -233,7 +233,8 @@ fn white(direct: &SceneFile, arguments: &RenderArguments) -> Result<Option<f64>>
         overrides.time = Some(format!("{time} m"));
         scenes.push(direct.scene(&overrides)?);
     }
-    exposure::of_surfaces(&scenes, &changes.request(None), None)
+    let measured = exposure::of_surfaces(&scenes, &changes.request(None), None)?;
+    measured.of_model(arguments.work.quiet.on)
 }
 
 /// The text of a film's scene, with the commands that make its light and the film.

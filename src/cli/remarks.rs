@@ -66,7 +66,7 @@ fn why_black(
          (see display.false_colour, too)"
             .into()
     } else if film.met() == 0.0 {
-        nothing_met(scene)
+        nothing_met(scene, prepared)
     } else if film.met() > 0.0 && reflects_rgb(scene) {
         "surfaces reflect red, green and blue, of which nothing is visible in these false colours (remedy: spectra = \"sampled\" \
          in [render], and lights with a spectrum)"
@@ -104,7 +104,7 @@ pub fn foreseen(
     } else if sees_only_sky(scene, film) {
         text = format!(
             "of {rays} rays, all see only the sky: {}\n",
-            nothing_met(scene)
+            nothing_met(scene, Some(prepared))
         );
     }
     text += &other_times(scene, film, prepared);
@@ -126,9 +126,12 @@ fn reflects_rgb(scene: &Scene) -> bool {
 }
 
 /// A remark if only the sky is in view of a scene that has objects; empty otherwise, and if the picture is black.
-pub fn only_sky(scene: &Scene, film: &Film) -> String {
+pub fn only_sky(scene: &Scene, film: &Film, prepared: &Prepared) -> String {
     match sees_only_sky(scene, film) && !is_black(film) {
-        true => format!("only the sky is in view: {}\n", nothing_met(scene)),
+        true => format!(
+            "only the sky is in view: {}\n",
+            nothing_met(scene, Some(prepared))
+        ),
         false => String::new(),
     }
 }
@@ -139,7 +142,10 @@ fn sees_only_sky(scene: &Scene, film: &Film) -> bool {
 }
 
 /// The remark that no object is visible, with advice.
-fn nothing_met(scene: &Scene) -> String {
+fn nothing_met(scene: &Scene, prepared: Option<&Prepared>) -> String {
+    if !scene.objects.is_empty() && prepared.is_some_and(|prepared| !prepared.has_triangles()) {
+        return "no triangle can be seen: all have no area, or a vertex that is not finite, for which they were dropped".into();
+    }
     let (what, behind) = match scene.back_faces {
         BackFaces::TwoSided => ("object", ""),
         BackFaces::AsFile | BackFaces::Black | BackFaces::Culled => (
@@ -370,13 +376,20 @@ fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
         let spectrum = object.spectrum.as_ref();
         spectrum.is_some_and(|spectrum| !is_seen(spectrum))
     });
+    let range = match (short(low), short(high)) {
+        (from, to) if from == to => from,
+        (from, to) => format!("{from} to {to}"),
+    };
+    let where_seen = match range.as_str() {
+        "1" => "is outside the visible range".to_owned(),
+        range => {
+            format!("is seen at {range} times its wavelengths: none of it is visible there")
+        }
+    };
     let line = |object: &Object| {
         format!(
-            "the spectrum of \"{}\" is seen at {} to {} times its wavelengths: none of it is visible there (see \
-             display.false_colour)\n",
-            escaped(&object.name),
-            short(low),
-            short(high)
+            "the spectrum of \"{}\" {where_seen} (see display.false_colour)\n",
+            escaped(&object.name)
         )
     };
     unseen.map(line).collect()

@@ -365,7 +365,8 @@ fn exposed(
         }
     }
     let prepared = ready.as_mut().map(|(_, ready)| &mut ready.prepared);
-    let white = exposure::of_surfaces(&scenes, &changes.request(None), prepared)?;
+    let measured = exposure::of_surfaces(&scenes, &changes.request(None), prepared)?;
+    let white = measured.of_model(arguments.work.quiet.on)?;
     let file = white.map_or(file, |white| builtin::of_model(path, &made.exposed(white)));
     let scene = file.scene(&changes.overrides())?;
     if let Some((plan, ready)) = &mut ready {

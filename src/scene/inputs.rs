@@ -14,7 +14,7 @@ use super::memory::Memory;
 use crate::error::Result;
 use crate::io::colmap::ColmapPicture;
 use crate::io::cube::Recorded;
-use crate::io::gltf::GltfTrack;
+use crate::io::gltf::{GltfLight, GltfTrack};
 
 /// The pose of a camera.
 #[derive(Debug, Clone)]
@@ -37,6 +37,8 @@ pub(super) struct FileCache {
     poses: Mutex<HashMap<InFile, Pose>>,
     /// Paths of nodes, by file, node and animation.
     tracks: Mutex<HashMap<(InFile, Option<String>), GltfTrack>>,
+    /// Lights of glTF files, by file and node.
+    lights: Mutex<HashMap<InFile, GltfLight>>,
     /// Rows of the tables of spectra.
     tables: Mutex<HashMap<PathBuf, Rows>>,
     /// Arrays of one axis, by file and array.
@@ -71,6 +73,17 @@ impl FileCache {
     ) -> Result<Pose> {
         let node = node.map(str::to_string);
         once(&self.poses, (path.to_path_buf(), node), read)
+    }
+
+    /// The light at `node` in the file at `path`, as first read; `read` reads it.
+    pub fn light(
+        &self,
+        path: &Path,
+        node: Option<&str>,
+        read: impl FnOnce() -> Result<GltfLight>,
+    ) -> Result<GltfLight> {
+        let node = node.map(str::to_string);
+        once(&self.lights, (path.to_path_buf(), node), read)
     }
 
     /// The path of a node in the file at `path`, as first read; `read` reads it.
@@ -136,7 +149,7 @@ pub(super) struct Inputs {
     pub reach: Option<PathBuf>,
     /// Meshes and cubes in memory.
     pub memory: Memory,
-    /// Files, and COLMAP folders, that were read for poses, paths, tables and numbers.
+    /// Files, and COLMAP folders, that were read for poses, paths, lights, tables and numbers.
     pub read: BTreeSet<PathBuf>,
     /// What to do about missing files, as the scene says.
     pub if_missing: Option<String>,
@@ -148,6 +161,8 @@ pub(super) struct Inputs {
     poses: RefCell<HashMap<usize, Result<Pose>>>,
     /// By place in the text: the path of the node of the glTF file named there.
     tracks: RefCell<HashMap<usize, Result<GltfTrack>>>,
+    /// By place in the text: the light of the glTF file named there.
+    lights: RefCell<HashMap<usize, Result<GltfLight>>>,
     /// By place in the text: the rows of the table of a spectrum named there.
     tables: RefCell<HashMap<usize, Result<Vec<[f64; 2]>>>>,
     /// By place in the text: the numbers in the file named there.
@@ -208,6 +223,17 @@ impl Inputs {
             // As for poses.
             _ => tracks.remove(&file.span.start),
         }
+    }
+
+    /// Records the light of the glTF file named at `file`, or why it cannot be read.
+    pub fn add_light(&mut self, file: &At<String>, light: Result<GltfLight>) {
+        self.note(file);
+        self.lights.get_mut().insert(file.span.start, light);
+    }
+
+    /// The light of the glTF file named at `file`, if it was read. Can be called once.
+    pub fn light(&self, file: &At<String>) -> Option<Result<GltfLight>> {
+        self.lights.borrow_mut().remove(&file.span.start)
     }
 
     /// Records the rows of the spectrum in the file named at `file`, or why they cannot be read.

@@ -25,8 +25,8 @@ const LONGEST: usize = 4 << 20;
 /// The memory limit for a table of numbers, bytes.
 const LONGEST_TABLE: u64 = 16 << 20;
 
-/// A scene file that was read once: even if the file changes, all scenes and panels made from this use the same text and the same poses
-/// of glTF cameras, and look for the same files once.
+/// A scene file that was read once: even if the file changes, all scenes and panels made from this use the same text and the same glTF
+/// cameras and lights, and look for the same files once.
 #[derive(Debug)]
 pub struct SceneFile {
     pub(super) name: String,
@@ -115,7 +115,7 @@ impl SceneFile {
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Invalid`] if it is not a valid scene, with the place in it and what would be right.
-/// Files that it names are checked for existence, not read (except for the pose of a glTF camera).
+/// Files that it names are checked for existence, not read (except for the poses of glTF cameras, and glTF lights).
 pub fn load(path: &Path, overrides: &Overrides) -> Result<Scene> {
     SceneFile::read(path)?.scene(overrides)
 }
@@ -194,10 +194,10 @@ pub(super) fn scene(
     }
     for light in &file.light {
         read_spectrum(&mut inputs, cache, &light.value.spectrum);
-        read_track(&mut inputs, cache, &light.value.motion);
     }
+    lights(&mut inputs, cache, &file.light);
     camera(&mut inputs, cache, &file);
-    resolve::scene(report, inputs, &file)
+    resolve::scene(report, inputs, file)
 }
 
 /// Reads the table of a spectrum, if it has one.
@@ -276,6 +276,32 @@ fn camera<D>(inputs: &mut Inputs, cache: &FileCache, file: &file::Scene<D>) {
     }
 }
 
+/// Reads lights of glTF files, and the paths that lights follow.
+fn lights(inputs: &mut Inputs, cache: &FileCache, lights: &[At<file::Light>]) {
+    for light in lights.iter().map(|at| &at.value) {
+        read_track(inputs, cache, &light.motion);
+        let Some((name, path)) = gltf_file(inputs, cache, &light.gltf) else {
+            continue;
+        };
+        let node = light.node.as_ref().map(|node| node.value.as_str());
+        let found = cache.light(&path, node, || gltf::light(&path, node));
+        inputs.add_light(name, found);
+    }
+}
+
+/// Looks for a glTF file, if there is one that can be read.
+fn gltf_file<'n>(
+    inputs: &mut Inputs,
+    cache: &FileCache,
+    name: &'n Option<At<String>>,
+) -> Option<(&'n At<String>, PathBuf)> {
+    let name = name.as_ref()?;
+    look_for(inputs, cache, name);
+    let path = inputs.base.join(&name.value);
+    let is_there = inputs.problem(name).is_none() && resolve::has_extension(&path, GLTF);
+    is_there.then_some((name, path))
+}
+
 /// Reads the path of an animated node, if a motion follows one.
 fn read_track(inputs: &mut Inputs, cache: &FileCache, motion: &Option<At<file::Motion>>) {
     let animation = motion.as_ref().and_then(|at| at.value.animation.as_ref());
@@ -324,12 +350,9 @@ fn read_pose(
     name: &Option<At<String>>,
     node: &Option<At<String>>,
 ) {
-    let Some(name) = name else { return };
-    look_for(inputs, cache, name);
-    let path = inputs.base.join(&name.value);
-    if inputs.problem(name).is_some() || !resolve::has_extension(&path, GLTF) {
+    let Some((name, path)) = gltf_file(inputs, cache, name) else {
         return;
-    }
+    };
     let node = node.as_ref().map(|node| node.value.as_str());
     let pose = cache.pose(&path, node, || {
         let camera = gltf::camera(&path, node)?;
@@ -372,17 +395,15 @@ pub(crate) fn parse_diagram<D: DeserializeOwned, T>(
     resolve: impl FnOnce(&Context, &Kinematics, Option<&At<D>>) -> Result<T>,
 ) -> Result<T> {
     let report = report(text, name, overrides)?;
-    let file: file::Scene<D> = report.read()?;
+    let mut file: file::Scene<D> = report.read()?;
     let (mut inputs, cache) = (
         Inputs::new(base.to_path_buf(), Memory::default()),
         FileCache::default(),
     );
     camera(&mut inputs, &cache, &file);
-    for light in &file.light {
-        read_track(&mut inputs, &cache, &light.value.motion);
-    }
+    lights(&mut inputs, &cache, &file.light);
     let cx = Context::new(report, inputs, &file.speed_of_light)?;
-    let scene = Kinematics::new(&cx, &file)?.with_lamps(&cx, &file.light)?;
+    let scene = Kinematics::new(&cx, &file)?.with_lamps(&cx, &mut file.light)?;
     resolve(&cx, &scene, file.diagram.as_ref())
 }
 

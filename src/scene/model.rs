@@ -29,7 +29,7 @@ pub use camera::{
 };
 pub use light::{Beam, Brightness, EmissionProfile, Lamp, Light, LightKind};
 pub use panel::{Panel, Sheet, Show};
-pub use sky::{Catalogue, Sky, SkyRadiance, Stars, Sun};
+pub use sky::{Catalogue, Sky, SkyNegative, SkyRadiance, Stars, Sun};
 
 /// The largest number of bounces.
 pub const MOST_BOUNCES: u32 = 64;

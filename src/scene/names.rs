@@ -12,6 +12,14 @@ pub(super) fn object(gltf: Option<&str>, node: Option<&str>, shape: Option<&str>
     name.unwrap_or_else(|| "object".into())
 }
 
+/// The default name of a light: the node or the name without extension of its glTF file, or else its type.
+pub(super) fn light(gltf: Option<&str>, node: Option<&str>, kind: &str) -> String {
+    match gltf {
+        Some(_) => object(gltf, node, None),
+        None => kind.to_string(),
+    }
+}
+
 /// The default name of a source: its cube's file name without extension, or "pulse".
 pub(super) fn source(cube_file: Option<&str>) -> String {
     cube_file.map_or_else(|| "pulse".into(), file_stem)

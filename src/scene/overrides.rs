@@ -355,7 +355,7 @@ fn entry_names(table: &dyn TableLike, is_lights: bool) -> (Option<String>, Strin
     let shape = table.get("shape").and_then(first_key);
     let cube = table.get("cube").and_then(Item::as_table_like);
     let default = if is_lights {
-        text("type").unwrap_or("point").to_string()
+        names::light(text("gltf"), text("node"), text("type").unwrap_or("point"))
     } else if table.contains_key("cube") || table.contains_key("pulse") {
         names::source(cube.and_then(|cube| cube.get("file")?.as_str()))
     } else {

@@ -534,12 +534,59 @@ fn lights_below_hidden_nodes_are_not_listed() {
 }
 
 #[test]
+fn a_file_without_anything_to_show_says_what_is_hidden() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    let refusal = |nodes: &str| {
+        let text = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "extensionsUsed": ["KHR_node_visibility"], "nodes": [{nodes}], {}}}"#,
+            point()
+        );
+        std::fs::write(&path, text).unwrap();
+        let loaded = gltf::load(&path, None, ALL).unwrap_err();
+        let inspected = gltf::inspect(&path, None).unwrap_err();
+        assert_eq!(loaded.to_string(), inspected.to_string());
+        loaded.to_string()
+    };
+    let visible = |value: &str| {
+        format!(r#"{{"mesh": 0, "extensions": {{"KHR_node_visibility": {{"visible": {value}}}}}}}"#)
+    };
+    let said = refusal(&visible("false"));
+    assert!(
+        said.contains("scene: all nodes are hidden (KHR_node_visibility)"),
+        "{said}"
+    );
+    let said = refusal(&format!(r#"{{"children": [1]}}, {}"#, visible("false")));
+    assert!(
+        said.contains(
+            "node 0: there are no triangles here or in the nodes below, apart from hidden ones"
+        ),
+        "{said}"
+    );
+    let said = refusal(r#"{"name": "empty"}"#);
+    assert!(
+        said.contains("there are no triangles") && !said.contains("hidden"),
+        "{said}"
+    );
+    for value in ["\"no\"", "0", "[false]"] {
+        let said = refusal(&visible(value));
+        assert!(
+            said.contains("node 0: `visible` of its KHR_node_visibility is neither true nor false"),
+            "{said}"
+        );
+    }
+    // A node that is asked for by name is shown.
+    refusal(&visible("false"));
+    assert!(gltf::load(&path, Some("node 0"), ALL).is_ok());
+}
+
+#[test]
 fn what_is_not_read_is_named_once() {
     let warnings = load("materials.gltf", None).warnings;
     for said in [
         "extensionsUsed: the extension \"KHR_materials_clearcoat\" is not supported",
         "animation 0: animations of meshes are not played",
-        "node 4 \"lamp\": the file's lights shine only if it is rendered without a scene",
+        "node 4 \"lamp\": the file's lights shine in a scene only if it names them, by gltf and node in [[light]]",
         "node 2 \"hidden\": hidden nodes and what is below them are left out",
         "material 1 \"full\": normal maps are not read",
         "material 1 \"full\": occlusion maps are not read",

@@ -178,6 +178,103 @@ fn an_unlit_material_is_matte_where_it_reflects_light() {
     );
 }
 
+/// A PNG of these greys in one row.
+fn greys(values: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, values.len() as u32, 1);
+    encoder.set_color(png::ColorType::Grayscale);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(values).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+/// By the extension the transmitted part is transmissionFactor times the red of the texture.
+#[test]
+fn a_texture_of_transmission_is_a_factor_if_it_is_even_and_else_its_mean_decides() {
+    let glass = r#""pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0}, "extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 0.8, "transmissionTexture": {"index": 0}},
+        "KHR_materials_volume": {"thicknessFactor": 1, "thicknessTexture": {"index": 0}, "attenuationDistance": 1}}"#;
+    let parts = "material 0 \"wall\": its transmissionTexture makes ";
+    for (values, expected, warning) in [
+        (&[0, 0, 0, 0][..], 0.0, None),
+        (&[255, 255], 0.8, None),
+        (&[128, 130, 129], 0.8 * 129.0 / 255.0, None),
+        (&[255, 0, 255], 0.8, Some("all of it is glass")),
+        (&[0, 255, 0], 0.0, Some("all of it is opaque")),
+    ] {
+        let (_folder, path) = model(glass, Some(&greys(values)));
+        let imported = gltf::load(&path, None, ALL).unwrap();
+        let material = &imported.mesh.materials[0];
+        assert!(
+            (material.transmission - expected).abs() < 1e-6,
+            "{values:?}: {}",
+            material.transmission
+        );
+        let said: Vec<_> = imported
+            .warnings
+            .iter()
+            .filter(|w| w.starts_with(parts))
+            .collect();
+        assert_eq!(
+            said.len(),
+            usize::from(warning.is_some()),
+            "{values:?}: {said:?}"
+        );
+        assert!(
+            warning.is_none_or(|part| said[0].contains(part)),
+            "{values:?}: {said:?}"
+        );
+        // What is not computed of glass concerns only glass.
+        for what in [
+            "thicknessTexture is not read",
+            "absorption in glass is not computed",
+        ] {
+            let is_said = imported.warnings.iter().any(|w| w.contains(what));
+            assert_eq!(is_said, expected > 0.0, "{values:?}: {what}");
+        }
+        // A plan knows the same.
+        let held = gltf::inspect(&path, None).unwrap();
+        assert_eq!(held.factors, [material.factors()]);
+        assert_eq!(held.warnings, imported.warnings);
+    }
+}
+
+#[test]
+fn a_texture_of_transmission_that_cannot_be_read_is_refused_or_left_out() {
+    let glass = |index: usize| {
+        format!(
+            r#""extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 0.5, "transmissionTexture": {{"index": {index}}}}}}}"#
+        )
+    };
+    for index in [0, 1] {
+        for image in [None, Some(&b"RIFF"[..]), Some(b"\x89PNG\r\n\x1a\n\0")] {
+            let refusal = load(&glass(index), image, ALL).unwrap_err();
+            let place = ["image 0 \"paint\"", "texture 1"][index];
+            assert!(refusal.to_string().contains(place), "{refusal}");
+            if index == 0 && image.is_none() {
+                continue;
+            }
+            let kept = load(&glass(index), image, DROP).unwrap();
+            assert_eq!(kept.mesh.materials[0].transmission, 0.5);
+            let is_told = |warning: &String| warning.contains("its texture is left out");
+            assert!(kept.warnings.iter().any(is_told), "{:?}", kept.warnings);
+        }
+    }
+    // Without the image, a file can be looked into.
+    let (_folder, path) = model(&glass(0), None);
+    assert_eq!(
+        gltf::inspect(&path, None).unwrap().factors[0].transmission,
+        0.5
+    );
+    let wrong = glass(0).replace(r#"{"index": 0}"#, "7");
+    let refusal = load(&wrong, None, ALL).unwrap_err().to_string();
+    assert!(
+        refusal.contains("its transmissionTexture cannot be read"),
+        "{refusal}"
+    );
+}
+
 #[test]
 fn nodes_and_cameras_without_names_are_found_by_their_numbers() {
     let (_folder, path) = model(r#""doubleSided": true"#, None);

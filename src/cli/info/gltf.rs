@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use nullray::Result;
 use nullray::io::gltf::{self, BadTextures};
-use nullray::render::plan::count;
+use nullray::render::plan::{count, count_of};
 use serde_json::json;
 
 use super::Info;
@@ -21,7 +21,8 @@ pub fn info(path: &Path) -> Result<Info> {
     for (what, n) in [("triangles", held.triangles), ("vertices", held.vertices)] {
         info.fact(what, count(n), what, n);
     }
-    let placed = format!("{}, placed as {} primitives", held.meshes, held.primitives);
+    let primitives = count_of(held.primitives as u64, "primitive");
+    let placed = format!("{}, placed as {primitives}", held.meshes);
     info.fact("meshes", placed, "meshes", held.meshes);
     info.data("primitives", held.primitives);
     if let Some([least, greatest]) = held.bounds {
@@ -53,7 +54,7 @@ pub fn info(path: &Path) -> Result<Info> {
     }
     info.data("has_colours", held.has_colours);
     info.names("unlit", held.unlit);
-    let images = format!("{} images", held.images);
+    let images = count_of(held.images as u64, "image");
     info.fact("textures", images, "images", held.images);
     info.fact("uv sets", held.uv_sets.to_string(), "uv_sets", held.uv_sets);
     info.list("file", &held.files, |path| there(path));

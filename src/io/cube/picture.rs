@@ -204,15 +204,9 @@ impl Picture {
         if let [Some(r), Some(g), Some(b)] = colours {
             return Picture::of_planes(file, layers, &[r, g, b], budget);
         }
-        // These are stored beside a radiance, but measure something else.
-        let others = ["A", "alpha", "Z", "distance"];
-        let mut grey = layers
-            .channels
-            .iter()
-            .filter(|c| !others.contains(&c.name.as_str()));
-        match (grey.next(), grey.next()) {
-            (Some(channel), None) => Picture::of_planes(file, layers, &[&channel.samples], budget),
-            _ => {
+        match layers.grey() {
+            Some(channel) => Picture::of_planes(file, layers, &[&channel.samples], budget),
+            None => {
                 let what = format!(
                     "its channels are {}, neither R, G, B nor a single one",
                     names_in(layers)

@@ -9,6 +9,7 @@ use super::accessor;
 use super::buffers::Buffers;
 use super::document::Document;
 use super::draft::{Draft, Materials};
+use super::glass;
 use super::images;
 use super::import::{BadTextures, EncodedImage, Imported, Want};
 use super::materials::{FIRST_TRANSFORMED, Resolved};
@@ -21,9 +22,11 @@ use crate::error::{Error, Result};
 use crate::mesh::{AlphaMode, Material, Mesh, Part};
 
 pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> Result<Imported> {
-    let draft = Draft::new(document, node, want)?;
+    let mut draft = Draft::new(document, node, want)?;
+    let mut buffers = Buffers::new(document);
+    glass::settle(&mut draft, &mut buffers, want.bad_textures)?;
     let mut builder = Builder {
-        buffers: Buffers::new(document),
+        buffers,
         vertices: Vertices::new(draft.uv_sets(), want.bad_vertices),
         uv_sets: draft.uv_sets(),
         triangles: Vec::new(),

@@ -1,12 +1,12 @@
 //! Cameras of a file (glTF 2.0 §3.10): they look along their local −Z, with +Y up.
 
 use ::gltf::json::camera::{Camera, Perspective, Type};
-use ::gltf::json::scene::Node;
 use ::gltf::json::validation::Checked;
 use glam::{DAffine3, DVec3};
 
-use super::document::{Document, listed, shortened};
-use super::nodes::{Hierarchy, is_named, name_of, named};
+use super::document::Document;
+use super::holders::{self, Held};
+use super::nodes::Hierarchy;
 use super::warnings::Warnings;
 use crate::Result;
 
@@ -26,79 +26,28 @@ pub struct GltfCamera {
     pub aspect: Option<f64>,
 }
 
-/// Names of the cameras: those of their nodes, or else of the cameras themselves, or else the numbers of the nodes.
-pub(super) fn names(document: &Document) -> Vec<String> {
-    let nodes = document.root.nodes.iter().enumerate();
-    nodes
-        .filter_map(|(index, node)| camera_name(document, index, node))
-        .collect()
+const CAMERAS: Held = Held {
+    noun: "camera",
+    otherwise: "export the model with its cameras, or give eye, look_at and up",
+    of: own_name,
+};
+
+fn own_name<'d>(document: &'d Document, node: usize) -> Option<&'d str> {
+    let camera = document.root.get(document.root.nodes.get(node)?.camera?);
+    let name = camera.and_then(|camera| camera.name.as_deref());
+    Some(name.unwrap_or_default())
 }
 
-fn camera_name(document: &Document, index: usize, node: &Node) -> Option<String> {
-    let camera = document.root.get(node.camera?);
-    let own = camera.and_then(|camera| camera.name.as_deref());
-    let names = [node.name.as_deref(), own].into_iter().flatten();
-    let name = names.map(shortened).find(|name| !name.is_empty());
-    Some(name.unwrap_or_else(|| name_of(document, index)))
+/// Names of the cameras.
+pub(super) fn names(document: &Document) -> Vec<String> {
+    holders::names(document, 0..document.root.nodes.len(), &CAMERAS)
 }
 
 /// The camera with this name, or the only one.
 pub(super) fn find(document: &Document, name: Option<&str>) -> Result<GltfCamera> {
     let hierarchy = Hierarchy::new(document, &mut Warnings::default())?;
-    match candidates(document, &hierarchy, name)?.as_slice() {
-        &[node] => placed(document, node, hierarchy.world(node)),
-        several => Err(not_one(document, name, several.len())),
-    }
-}
-
-/// The nodes with a camera to which `name` may refer.
-fn candidates(
-    document: &Document,
-    hierarchy: &Hierarchy,
-    name: Option<&str>,
-) -> Result<Vec<usize>> {
-    let nodes = &document.root.nodes;
-    let has_camera = |&node: &usize| nodes.get(node).is_some_and(|n| n.camera.is_some());
-    let all = (0..nodes.len()).filter(has_camera);
-    let Some(name) = name else {
-        return Ok(all.collect());
-    };
-    let called: Vec<usize> = all
-        .filter(|&node| is_called(document, node, name))
-        .collect();
-    if called.is_empty() && (0..nodes.len()).any(|node| is_named(document, node, name)) {
-        // Some exporters put the camera below the node that has its name.
-        let below = hierarchy.with_all_below(vec![named(document, name)?], &mut |_| true);
-        let below = below.iter().map(|placed| placed.node);
-        return Ok(below.filter(has_camera).collect());
-    }
-    Ok(called)
-}
-
-fn is_called(document: &Document, node: usize, name: &str) -> bool {
-    let described = document.root.nodes.get(node);
-    let camera = described.and_then(|node| document.root.get(node.camera?));
-    is_named(document, node, name) || camera.and_then(|c| c.name.as_deref()) == Some(name)
-}
-
-fn not_one(document: &Document, name: Option<&str>, count: usize) -> crate::Error {
-    let place = match name {
-        Some(name) => format!("camera {:?}", shortened(name)),
-        None => "cameras".to_owned(),
-    };
-    let what = match (count, name) {
-        (0, Some(_)) => {
-            "there is no camera of this name, nor a node of this name with one".to_owned()
-        }
-        (0, None) => "no node of the file has a camera".to_owned(),
-        (n, _) => format!("there are {n} cameras to choose from"),
-    };
-    let names = names(document);
-    let help = match names.is_empty() {
-        true => "export the model with its cameras, or give eye, look_at and up".to_owned(),
-        false => format!("name one of: {}", listed(names.iter().map(String::as_str))),
-    };
-    document.invalid(place, what, help)
+    let node = holders::find(document, &hierarchy, name, &CAMERAS)?;
+    placed(document, node, hierarchy.world(node))
 }
 
 /// The camera of a node: glTF gives the vertical angle, and the horizontal one only if there is an aspect ratio.

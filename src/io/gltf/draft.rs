@@ -71,7 +71,7 @@ const MOST_NAMED: usize = 20;
 
 /// The warning about a file's lights.
 pub(crate) const LIGHTS_UNREAD: &str =
-    "the file's lights shine only if it is rendered without a scene; a scene has [[light]] tables";
+    "the file's lights shine in a scene only if it names them, by gltf and node in [[light]]";
 
 /// The warning about a file's cameras.
 pub(crate) const CAMERAS_UNREAD: &str =

@@ -9,7 +9,8 @@ use ::gltf::json::validation::Checked;
 use glam::{DAffine3, DVec3};
 
 use super::document::{Document, shortened};
-use super::nodes::Hierarchy;
+use super::holders::{self, Held};
+use super::nodes::{Hierarchy, Placed};
 use super::warnings::Warnings;
 use crate::Result;
 use crate::spacetime::{Direction, World};
@@ -66,45 +67,58 @@ pub(super) fn has_range(document: &Document, node: usize) -> bool {
     light.is_some_and(|light| light.range.is_some())
 }
 
-fn name(document: &Document, node: usize, light: Option<&Light>) -> String {
-    let node = document.root.nodes.get(node);
-    let own = light.and_then(|light| light.name.as_deref());
-    let of_node = node.and_then(|node| node.name.as_deref());
-    let name = of_node.filter(|name| !name.is_empty()).or(own);
-    shortened(name.unwrap_or_default())
+const LIGHTS: Held = Held {
+    noun: "light",
+    otherwise: "export the model with its lights (KHR_lights_punctual), or give `type`, `position` and `intensity`",
+    of: own_name,
+};
+
+fn own_name<'d>(document: &'d Document, node: usize) -> Option<&'d str> {
+    let light = all(document).get(index_of(document, node)?);
+    let name = light.and_then(|light| light.name.as_deref());
+    Some(name.unwrap_or_default())
 }
 
 /// The names of the lights among these nodes.
 pub(super) fn names(document: &Document, nodes: &[usize]) -> Vec<String> {
-    let light = |&node: &usize| {
-        let light = all(document).get(index_of(document, node)?);
-        Some(name(document, node, light))
-    };
-    nodes.iter().filter_map(light).collect()
+    holders::names(document, nodes.iter().copied(), &LIGHTS)
 }
 
 /// The lights of the default scene that are not hidden.
-pub(super) fn find(document: &Document) -> Result<Vec<GltfLight>> {
+pub(super) fn all_shown(document: &Document) -> Result<Vec<GltfLight>> {
     let mut warnings = Warnings::default();
     let hierarchy = Hierarchy::new(document, &mut warnings)?;
     let nodes = hierarchy.select(document, None, &mut warnings)?;
-    let mut lights = Vec::new();
-    for placed in nodes {
-        let Some(index) = index_of(document, placed.node) else {
-            continue;
-        };
-        let place = document.node_label(placed.node);
-        let Some(light) = all(document).get(index) else {
-            let what = format!("it refers to light {index}, which does not exist");
-            let help = "every index must be within its list";
-            return Err(document.invalid(place, what, help));
-        };
-        lights.push(GltfLight {
-            name: name(document, placed.node, Some(light)),
-            ..one(document, light, placed.world, &place)?
-        });
-    }
-    Ok(lights)
+    let lights = nodes.into_iter().filter_map(|at| of_node(document, at));
+    lights.collect()
+}
+
+/// The light with this name, or the only one.
+pub(super) fn find(document: &Document, name: Option<&str>) -> Result<GltfLight> {
+    let hierarchy = Hierarchy::new(document, &mut Warnings::default())?;
+    let node = holders::find(document, &hierarchy, name, &LIGHTS)?;
+    let world = hierarchy.world(node);
+    of_node(document, Placed { node, world }).unwrap_or_else(|| {
+        let place = document.node_label(node);
+        Err(document.invalid(place, "the node has no light", ""))
+    })
+}
+
+/// The light of a node, if it has one.
+fn of_node(document: &Document, Placed { node, world }: Placed) -> Option<Result<GltfLight>> {
+    let index = index_of(document, node)?;
+    let place = document.node_label(node);
+    let Some(light) = all(document).get(index) else {
+        let what = format!("it refers to light {index}, which does not exist");
+        let help = "every index must be within its list";
+        return Some(Err(document.invalid(place, what, help)));
+    };
+    let described = document.root.nodes.get(node);
+    let of_node = described.and_then(|node| node.name.as_deref());
+    let name = of_node.filter(|name| !name.is_empty());
+    let name = shortened(name.or(light.name.as_deref()).unwrap_or_default());
+    let light = one(document, light, world, &place);
+    Some(light.map(|light| GltfLight { name, ..light }))
 }
 
 fn one(document: &Document, light: &Light, world: DAffine3, place: &str) -> Result<GltfLight> {

@@ -4,7 +4,7 @@
 //!
 //! Of materials with a diffuse and a specular colour (KHR_materials_pbrSpecularGlossiness) the diffuse one is read.
 //!
-//! Normal and occlusion textures are not read, nor absorption in a body of glass, nor textures of its transmission.
+//! Normal and occlusion textures are not read, nor absorption in a body of glass. For textures of its transmission see [`super::glass`].
 
 use std::collections::BTreeMap;
 
@@ -39,10 +39,23 @@ pub(super) struct Resolved {
     pub transforms: Vec<(usize, UvTransform)>,
     /// Whether its mask stands for blending by the alpha of its texture, if that has one.
     pub blends: bool,
+    pub glass: Glass,
 }
 
-/// The extension for transmission.
+/// What else a file says of glass.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Glass {
+    /// The material, for messages.
+    pub place: String,
+    /// The image in the document whose red is a factor on the transmission.
+    pub texture: Option<usize>,
+    /// Warnings about features of glass that are ignored, if it is glass.
+    pub uncomputed: Vec<&'static str>,
+}
+
+/// The extensions for transmission, and for bodies of glass.
 const TRANSMISSION: &str = "KHR_materials_transmission";
+const VOLUME: &str = "KHR_materials_volume";
 
 /// The first set number that stands for a transform in a [`Resolved`] material.
 pub(super) const FIRST_TRANSFORMED: usize = MOST_SETS as usize;
@@ -104,6 +117,7 @@ pub(super) fn resolve(
                 material: Material::default(),
                 transforms: Vec::new(),
                 blends: false,
+                glass: Glass::default(),
             },
         };
         resolved.insert(index, material);
@@ -136,6 +150,7 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
         mode => (mode, false),
     };
     reader.warn(material, blends);
+    let glass = reader.glass(material)?;
     // Of an unlit material only the base colour counts: where it reflects light, it is matte.
     let unlit = (material.extensions.as_ref()).is_some_and(|all| all.unlit.is_some());
     let masked = matches!(alpha_mode, AlphaMode::Mask { .. });
@@ -166,7 +181,7 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
             },
             transmission: reader.transmission(material)?,
             ior: reader.ior(material)?,
-            solid: reader.number(material, "KHR_materials_volume", "thicknessFactor", 0.0) > 0.0,
+            solid: reader.number(material, VOLUME, "thicknessFactor", 0.0) > 0.0,
             alpha: reader.fraction(alpha, "the alpha of its base colour")?,
             alpha_mode,
             // Only a thickness indicates a body: without it the glass is a film, which does not refract.
@@ -175,6 +190,7 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
         },
         transforms: reader.transforms,
         blends,
+        glass,
     })
 }
 
@@ -200,17 +216,6 @@ impl Reader<'_, '_> {
             };
             self.warnings.add(what, &self.place);
         }
-        if self.number(material, TRANSMISSION, "transmissionFactor", 0.0) > 0.0 {
-            let pbr = &material.pbr_metallic_roughness;
-            if pbr.roughness_factor.0 > 0.0 || pbr.metallic_roughness_texture.is_some() {
-                self.warnings
-                    .add("rough glass is taken as smooth", &self.place);
-            }
-            if self.number(material, "KHR_materials_volume", "attenuationDistance", 0.0) > 0.0 {
-                self.warnings
-                    .add("absorption in glass is not computed", &self.place);
-            }
-        }
         if material.normal_texture.is_some() {
             self.warnings.add("normal maps are not read", &self.place);
         }
@@ -218,6 +223,40 @@ impl Reader<'_, '_> {
             self.warnings
                 .add("occlusion maps are not read", &self.place);
         }
+    }
+
+    /// What the material says of glass, apart from its factors.
+    fn glass(&mut self, material: &material::Material) -> Result<Glass> {
+        let is_glass = self.number(material, TRANSMISSION, "transmissionFactor", 0.0) > 0.0;
+        let pbr = &material.pbr_metallic_roughness;
+        let is_rough = pbr.roughness_factor.0 > 0.0 || pbr.metallic_roughness_texture.is_some();
+        let absorbs = self.number(material, VOLUME, "attenuationDistance", 0.0) > 0.0;
+        let has_thickness = extension(material, VOLUME, "thicknessTexture").is_some();
+        let uncomputed = [
+            (is_rough, "rough glass is taken as smooth"),
+            (absorbs, "absorption in glass is not computed"),
+            (
+                has_thickness && self.number(material, VOLUME, "thicknessFactor", 0.0) > 0.0,
+                "its thicknessTexture is not read: where it is glass, it bounds a body of glass",
+            ),
+        ];
+        let uncomputed = uncomputed.into_iter().filter(|(is, _)| is_glass && *is);
+        let texture = extension(material, TRANSMISSION, "transmissionTexture");
+        Ok(Glass {
+            place: self.place.clone(),
+            texture: match texture.filter(|_| is_glass) {
+                None => None,
+                Some(info) => {
+                    let info = deserialize::from_value::<Info>(info.clone()).map_err(|error| {
+                        let what = format!("its transmissionTexture cannot be read: {error}");
+                        self.invalid(what, "a texture is { \"index\": … }")
+                    })?;
+                    let place = self.texture_place(&info);
+                    self.image(&info, &place)?
+                }
+            },
+            uncomputed: uncomputed.map(|(_, what)| what).collect(),
+        })
     }
 
     /// The metallic-roughness properties. A material that has only a diffuse and a specular colour is a dielectric of the former.
@@ -347,21 +386,23 @@ impl Reader<'_, '_> {
         key: &str,
         default: f64,
     ) -> f64 {
-        let all = material.extensions.as_ref();
-        let said = all.and_then(|all| all.others.get(extension)?.get(key));
+        let said = self::extension(material, extension, key);
         said.map_or(default, |value| value.as_f64().unwrap_or(f64::NAN))
     }
 
-    /// A texture; `None` if it has no image that can be read, and such textures are dropped.
-    fn texture(&mut self, info: &Info) -> Result<Option<TextureRef>> {
+    fn texture_place(&self, info: &Info) -> String {
+        format!("{}, texture {}", self.place, info.index.value())
+    }
+
+    /// The image of a texture, by its index in the document; `None` if it has none that can be read, and such textures are dropped.
+    fn image(&mut self, info: &Info, place: &str) -> Result<Option<usize>> {
         let document = self.document;
-        let place = format!("{}, texture {}", self.place, info.index.value());
-        let texture = document.get(info.index, "texture", &place)?;
+        let texture = document.get(info.index, "texture", place)?;
         // The parser uses this number for a texture without `source`.
         if texture.source.value() == u32::MAX as usize {
             let what = "it has no image, or one that only an extension knows (KTX2, WebP, …)";
             if self.bad_textures == BadTextures::Drop {
-                self.warnings.add(images::left_out(what), &place);
+                self.warnings.add(images::left_out(what), place);
                 return Ok(None);
             }
             let extensions = texture.extensions.as_ref();
@@ -369,7 +410,18 @@ impl Reader<'_, '_> {
                 extensions.is_some_and(|all| all.others.contains_key("KHR_texture_basisu"));
             return Err(document.unsupported(place, what, images::remedy(uses_ktx)));
         }
-        document.get(texture.source, "image", &place)?;
+        document.get(texture.source, "image", place)?;
+        Ok(Some(texture.source.value()))
+    }
+
+    /// A texture; `None` if it has no image that can be read, and such textures are dropped.
+    fn texture(&mut self, info: &Info) -> Result<Option<TextureRef>> {
+        let place = self.texture_place(info);
+        let Some(image) = self.image(info, &place)? else {
+            return Ok(None);
+        };
+        let document = self.document;
+        let texture = document.get(info.index, "texture", &place)?;
         // Without a sampler both axes repeat (glTF 2.0 §3.8.4.5).
         let (wrap, mag_filter) = match texture.sampler {
             Some(sampler) => {
@@ -408,7 +460,7 @@ impl Reader<'_, '_> {
             return Err(document.unsupported(place, what, help));
         }
         Ok(Some(TextureRef {
-            image: texture.source.value(),
+            image,
             uv_set: self.set(set as usize, transform),
             sampler: TextureSampler {
                 wrap: [wrap_u, wrap_v],
@@ -434,6 +486,16 @@ impl Reader<'_, '_> {
     fn invalid(&self, what: impl Into<String>, help: impl Into<String>) -> crate::Error {
         self.document.invalid(&self.place, what, help)
     }
+}
+
+/// What an extension of a material says under a key.
+fn extension<'m>(
+    material: &'m material::Material,
+    extension: &str,
+    key: &str,
+) -> Option<&'m ::gltf::json::Value> {
+    let all = material.extensions.as_ref()?;
+    all.others.get(extension)?.get(key)
 }
 
 fn wrap(mode: &Checked<WrappingMode>) -> Option<Wrap> {

@@ -24,7 +24,9 @@ mod container;
 mod document;
 mod draft;
 mod extensions;
+mod glass;
 pub(crate) mod glb;
+mod holders;
 mod images;
 mod import;
 mod instances;
@@ -72,7 +74,8 @@ pub fn load_bytes(bytes: &[u8], name: &str, node: Option<&str>, want: Want) -> R
     assemble::load(&mut Document::from_bytes(bytes, name)?, node, want)
 }
 
-/// What [`load`] would read, from JSON and headers only: buffers and images are not read, and need not exist.
+/// What [`load`] would read, from JSON and headers only: buffers and images need not exist, and no image is read but those that decide
+/// whether surfaces are glass.
 ///
 /// # Errors
 /// As for [`load`], if they can be detected without reading data.
@@ -89,7 +92,7 @@ pub fn inspect_for(
     node: Option<&str>,
     bad_textures: BadTextures,
 ) -> Result<GltfSummary> {
-    summary::summary(&Document::open(path)?, node, bad_textures)
+    summary::summary(&mut Document::open(path)?, node, bad_textures)
 }
 
 /// The lights of the default scene (KHR_lights_punctual), in the order of their nodes.
@@ -97,7 +100,16 @@ pub fn inspect_for(
 /// # Errors
 /// The file cannot be read or is not glTF 2.0; a light does not exist, is not valid in glTF, or has no direction.
 pub fn lights(path: &Path) -> Result<Vec<GltfLight>> {
-    lights::find(&Document::open(path)?)
+    lights::all_shown(&Document::open(path)?)
+}
+
+/// The light named `node`: the name of a node that has a light, of a node with exactly one light below it, or of a light. Without a name,
+/// the only light of the file.
+///
+/// # Errors
+/// The file cannot be read or is not glTF 2.0; there is no such light, or more than one; it is not valid in glTF, or has no direction.
+pub fn light(path: &Path, node: Option<&str>) -> Result<GltfLight> {
+    lights::find(&Document::open(path)?, node)
 }
 
 /// The camera named `node`: the name of a node that has a camera, of a node with exactly one camera below it, or of a camera. Without a

@@ -41,6 +41,7 @@ impl Hierarchy {
         let roots = hierarchy.roots().map(|root| (root, DAffine3::IDENTITY));
         let mut stack: Vec<_> = roots.collect();
         while let Some((index, parent)) = stack.pop() {
+            check_visibility(document, index)?;
             let world = parent * local(document, index, warnings)?;
             if !world.is_finite() {
                 let what = "its transform goes beyond the range of numbers";
@@ -91,8 +92,7 @@ impl Hierarchy {
         let mut seen = |&node: &usize| {
             let hidden = is_hidden(document, node);
             if hidden {
-                let what = "hidden nodes and what is below them are left out (KHR_node_visibility)";
-                warnings.add(what, &document.node_label(node));
+                warnings.add(HIDDEN, &document.node_label(node));
             }
             !hidden
         };
@@ -167,9 +167,29 @@ pub(super) fn extension<'d>(document: &'d Document, node: usize, name: &str) -> 
     said.unwrap_or(&Value::Null)
 }
 
+/// The warning about hidden nodes.
+pub(super) const HIDDEN: &str =
+    "hidden nodes and what is below them are left out (KHR_node_visibility)";
+
 /// Whether a node is hidden, with everything below it.
 fn is_hidden(document: &Document, node: usize) -> bool {
-    extension(document, node, "KHR_node_visibility")["visible"] == Value::Bool(false)
+    visibility(document, node) == &Value::Bool(false)
+}
+
+/// What a node says of its visibility; null if it says nothing.
+fn visibility<'d>(document: &'d Document, node: usize) -> &'d Value {
+    &extension(document, node, "KHR_node_visibility")["visible"]
+}
+
+fn check_visibility(document: &Document, node: usize) -> Result<()> {
+    match visibility(document, node) {
+        Value::Null | Value::Bool(_) => Ok(()),
+        Value::Number(_) | Value::String(_) | Value::Array(_) | Value::Object(_) => {
+            let place = document.node_label(node);
+            let what = "`visible` of its KHR_node_visibility is neither true nor false";
+            Err(document.invalid(place, what, "`visible` is true or false"))
+        }
+    }
 }
 
 const FINITE: &str = "transforms must be finite numbers, and so must their products";

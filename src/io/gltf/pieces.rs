@@ -7,7 +7,7 @@ use std::collections::btree_map::Entry;
 use super::document::Document;
 use super::instances::Instances;
 use super::morphs::{self, AllWeights, Weights};
-use super::nodes::{Hierarchy, Placed};
+use super::nodes::{HIDDEN, Hierarchy, Placed};
 use super::primitive::{Deformed, Piece, Wanted, of_mesh};
 use super::skins::{Binding, Skin};
 use super::warnings::Warnings;
@@ -118,7 +118,7 @@ impl Pieces {
         pieces.placements.retain(has_triangles);
         match pieces.placements.is_empty() {
             false => Ok(pieces),
-            true => Err(nothing(document, placed, has_meshes)),
+            true => Err(nothing(document, placed, has_meshes, warnings)),
         }
     }
 
@@ -196,21 +196,34 @@ impl Piece {
     }
 }
 
-fn nothing(document: &Document, placed: &[Placed], has_meshes: bool) -> crate::Error {
-    document.invalid(
-        match placed {
-            [first, ..] => document.node_label(first.node),
-            [] => "scene".to_owned(),
-        },
-        match has_meshes {
-            true => "there are only points and lines here and in the nodes below: nothing with a surface",
-            false => "there are no triangles here or in the nodes below",
-        },
-        match has_meshes {
-            true => "choose a node with triangles, or give points and lines a thickness before exporting",
-            false => "choose a node that has a mesh, or export the model with its meshes",
-        },
-    )
+fn nothing(
+    document: &Document,
+    placed: &[Placed],
+    has_meshes: bool,
+    warnings: &Warnings,
+) -> crate::Error {
+    let place = match placed {
+        [first, ..] => document.node_label(first.node),
+        [] => "scene".to_owned(),
+    };
+    let shown =
+        "make nodes visible and export the model again, or name a hidden node, which is then shown";
+    let (what, help) = match (has_meshes, placed.is_empty(), warnings.has(HIDDEN)) {
+        (true, ..) => (
+            "there are only points and lines here and in the nodes below: nothing with a surface",
+            "choose a node with triangles, or give points and lines a thickness before exporting",
+        ),
+        (false, true, true) => ("all nodes are hidden (KHR_node_visibility)", shown),
+        (false, false, true) => (
+            "there are no triangles here or in the nodes below, apart from hidden ones (KHR_node_visibility)",
+            shown,
+        ),
+        (false, _, false) => (
+            "there are no triangles here or in the nodes below",
+            "choose a node that has a mesh, or export the model with its meshes",
+        ),
+    };
+    document.invalid(place, what, help)
 }
 
 /// The index of the mesh that a node places.

@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use super::buffers::Buffers;
 use super::camera;
 use super::document::Document;
 use super::draft::Draft;
+use super::glass;
 use super::import::{BadTextures, BadVertices, Want};
 use super::lights;
 use super::pieces::Pieces;
@@ -70,7 +72,7 @@ pub struct GltfSummary {
 
 /// The contents of a file as its nodes place them, from the counts of accessors only: instances count each time.
 pub(super) fn summary(
-    document: &Document,
+    document: &mut Document,
     node: Option<&str>,
     bad_textures: BadTextures,
 ) -> Result<GltfSummary> {
@@ -82,7 +84,10 @@ pub(super) fn summary(
         shading: true,
         normals: true,
     };
-    let draft = Draft::new(document, node, want)?;
+    let mut draft = Draft::new(document, node, want)?;
+    // What cannot be read is refused where it is loaded.
+    let _ = glass::settle(&mut draft, &mut Buffers::new(document), bad_textures);
+    let document = &*document;
     // Lights are those of the whole scene, whichever node is requested.
     let lit = match node {
         None => draft.nodes.clone(),

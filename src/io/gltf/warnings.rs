@@ -42,6 +42,11 @@ impl Warnings {
         }
     }
 
+    /// Whether `what` was recorded.
+    pub fn has(&self, what: &str) -> bool {
+        self.places.contains_key(what)
+    }
+
     /// One sentence per kind.
     pub fn into_sentences(self) -> Vec<String> {
         let sentence = |entry: Entry| match entry.count {

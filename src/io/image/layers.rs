@@ -104,6 +104,14 @@ impl Layers {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
+    /// The only channel other than alpha and depth, of a picture without colours; `None` if there are none or several.
+    pub fn grey(&self) -> Option<&Channel> {
+        // These are stored beside a radiance, but measure something else.
+        let others = ["A", "alpha", "Z", "distance"];
+        let mut grey = (self.channels.iter()).filter(|c| !others.contains(&c.name.as_str()));
+        grey.next().filter(|_| grey.next().is_none())
+    }
+
     /// The pixels of `radiance.R`, `radiance.G`, `radiance.B`; `None` if one of them is missing.
     pub fn radiance(&self) -> Option<Vec<[f64; 3]>> {
         let r = self.channel("radiance.R")?.samples.to_f64();
@@ -278,6 +286,18 @@ mod tests {
         keep_first(&mut entries);
         let left: Vec<_> = entries.iter().map(|(k, v)| format!("{k}={v}")).collect();
         assert_eq!(left, ["a=1", "b=2", "c=4"]);
+    }
+
+    #[test]
+    fn a_single_channel_beside_alpha_and_depth_is_grey() {
+        let of = |names: &[&str]| {
+            let channels = names.iter().map(|name| channel(name, 1)).collect();
+            let layers = Layers::new(1, 1, channels, vec![]).unwrap();
+            layers.grey().map(|channel| channel.name.clone())
+        };
+        assert_eq!(of(&["A", "Y", "Z"]), Some("Y".into()));
+        assert_eq!(of(&["Y", "V"]), None);
+        assert_eq!(of(&["A"]), None);
     }
 
     #[test]

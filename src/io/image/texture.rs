@@ -117,6 +117,14 @@ impl Texture {
         [self.width, self.height]
     }
 
+    /// The linear red of each texel, or its grey, from 0 to 1.
+    pub(crate) fn reds(&self) -> impl Iterator<Item = f64> {
+        (0..self.width * self.height).map(|texel| match &self.texels {
+            Texels::Eight(v) => f64::from(v[texel * self.stride]) / 255.0,
+            Texels::Sixteen(v) => f64::from(v[texel * self.stride]) / 65535.0,
+        })
+    }
+
     /// Linear RGB at `uv`. A coordinate that is not finite counts as 0.
     pub fn sample(&self, uv: [f64; 2], sampler: TextureSampler) -> [f64; 3] {
         let [u, v] = self.taps(uv, sampler);

@@ -118,6 +118,9 @@ pub(super) fn most_captures(scene: &Scene, objects: &[PlannedObject]) -> u64 {
     most.max().unwrap_or(0) as u64
 }
 
+/// What the radiance of shining surfaces adds to the light that they reflect.
+const EMITS: &str = ", and what it emits";
+
 /// Sets what is loaded of `object`, and the origin of its radiance.
 pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, wants_uv: bool) {
     object.uvs = wants_uv || object.has_masks;
@@ -128,13 +131,25 @@ pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, w
         let (uvs, textures, mut radiance) = needs(scene, &lit, has);
         let shines = object.factors.get(at).is_some_and(|factors| factors.emits);
         if shines && scene.is_lit() && matches!(lit, Lit::Reflecting(_)) {
-            radiance += ", and what it emits";
+            radiance += EMITS;
         }
         object.uvs |= uvs;
         object.normals |= object.has_normals && matches!(lit, Lit::Reflecting(_));
         object.textures |= textures;
         if !object.radiance.contains(&radiance) {
             object.radiance.push(radiance);
+        }
+    }
+    // Said once if only parts of the surface shine.
+    let all = object.radiance.clone();
+    object
+        .radiance
+        .retain(|plain| !all.contains(&format!("{plain}{EMITS}")));
+    for said in &mut object.radiance {
+        if let Some(plain) = said.strip_suffix(EMITS)
+            && all.iter().any(|other| other == plain)
+        {
+            *said = format!("{plain}, and what parts of it emit");
         }
     }
 }

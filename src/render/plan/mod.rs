@@ -40,7 +40,7 @@ pub use notes::unread;
 pub(crate) use notes::{is_moot, unfound_light, unshown};
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
 pub use recorded::contradicted;
-pub use report::{bytes, count, motion};
+pub use report::{bytes, count, count_of, motion};
 
 impl Plan {
     /// Plans `request` for `scene`, reading only headers.

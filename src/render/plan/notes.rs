@@ -1,7 +1,7 @@
 //! What a plan leaves out, and what its pictures do not show.
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
@@ -230,7 +230,7 @@ fn unread_of<'a>(
     for (file, unread) in files {
         for sentence in unread {
             let note = format!("{}: {sentence}", file.display());
-            if !is_moot(scene, sentence) && !notes.contains(&note) {
+            if !is_moot(scene, &note) && !notes.contains(&note) {
                 notes.push(note);
             }
         }
@@ -238,8 +238,8 @@ fn unread_of<'a>(
     notes
 }
 
-/// Whether a file's warning does not matter in a scene: lights, if the scene was made for the model and has them, or has recorded light
-/// or pulses; cameras, if it was not; and animations, if something follows one.
+/// Whether a warning, after the name of its file, does not matter in a scene: lights, if the scene names one of this file, was made for the
+/// model and has them, or has recorded light or pulses; cameras, if it was not; and animations, if something follows one.
 pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
     let by_animation = |motion: &Motion| matches!(motion, Motion::Animation { .. });
     let lamp = |light: &Light| match &light.kind {
@@ -248,7 +248,9 @@ pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
     };
     let plays = || by_animation(&scene.camera.motion) || scene.lights.iter().any(lamp);
     let is_made = scene.text.starts_with(MADE_FOR_MODEL);
-    let has_light = is_made || (!scene.is_lit() && !scene.sources.is_empty());
+    let mut files = (scene.lights.iter()).filter_map(|light| light.gltf.as_ref());
+    let of_file = |file: &PathBuf| warning.starts_with(&format!("{}: ", file.display()));
+    let has_light = is_made || (!scene.is_lit() && !scene.sources.is_empty()) || files.any(of_file);
     (warning.contains(gltf::CAMERAS_UNREAD) && !is_made)
         || (warning.contains(gltf::LIGHTS_UNREAD) && has_light)
         || (warning.contains(gltf::ANIMATIONS_UNREAD) && plays())

@@ -95,20 +95,20 @@ impl Plan {
         }
         let hidden = self.frames.iter().skip(2 * MOST);
         let triangles = hidden.map(|frame| frame.triangles).sum();
-        let triangles = of(triangles, "triangle");
+        let triangles = count_of(triangles, "triangle");
         more(f, "frame", self.frames.len(), 2 * MOST, &triangles)
     }
 
     fn frame(&self, f: &mut Formatter<'_>, frame: &PlannedFrame) -> fmt::Result {
         let motion = motion(frame.beta, frame.gamma);
-        let objects = of(frame.objects.len() as u64, "object");
-        let triangles = of(frame.triangles, "triangle");
+        let objects = count_of(frame.objects.len() as u64, "object");
+        let triangles = count_of(frame.triangles, "triangle");
         row(f, "frame", &format!("{motion}: {objects}, {triangles}"))?;
         let mut objects = frame.objects.iter().filter_map(|o| self.objects.get(*o));
         for object in objects.by_ref().take(MOST) {
             row(f, "  object", &describe(object))?;
         }
-        let triangles = of(objects.map(|o| o.triangles).sum(), "triangle");
+        let triangles = count_of(objects.map(|o| o.triangles).sum(), "triangle");
         more(f, "  object", frame.objects.len(), MOST, &triangles)
     }
 
@@ -118,7 +118,7 @@ impl Plan {
             let [h, w, t, c] = cube.shape;
             let channels = match &cube.channels {
                 Some(names) => format!("channels {}", names.join(", ")),
-                None => of(c as u64, "channel"),
+                None => count_of(c as u64, "channel"),
             };
             let text = format!(
                 "{} ({}): {h} rows × {w} columns × {t} time bins, {channels}, {}",
@@ -216,7 +216,7 @@ fn describe(object: &PlannedObject) -> String {
         "{} ({}, {}{holes}): {}",
         object.name.escape_debug(),
         file.escape_debug(),
-        of(object.triangles, "triangle"),
+        count_of(object.triangles, "triangle"),
         object.radiance.join("; ").escape_debug()
     )
 }
@@ -240,7 +240,7 @@ fn more(f: &mut Formatter<'_>, label: &str, all: usize, shown: usize, what: &str
 }
 
 /// "1 object", "2 objects".
-fn of(n: u64, noun: &str) -> String {
+pub fn count_of(n: u64, noun: &str) -> String {
     let plural = if n == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", count(n))
 }

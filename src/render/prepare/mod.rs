@@ -79,6 +79,11 @@ impl Prepared {
         self.unfound_light.is_some()
     }
 
+    /// Whether any triangle can be seen: has an area, and corners that are finite.
+    pub fn has_triangles(&self) -> bool {
+        self.frames.iter().any(|frame| !frame.bvh.is_empty())
+    }
+
     /// Carries out `plan`, which must be that of `scene`, on the threads of rayon's current pool.
     ///
     /// # Errors

@@ -9,14 +9,14 @@ use crate::camera::Shot;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::files;
-use crate::io::image::{exr, hdr, panorama};
+use crate::io::image::{Layers, exr, hdr, panorama};
 use crate::io::spectrum::text_of;
 use crate::light::sky::{
     Beaming, BoostedSky, LightGrid, Motion, Motions, Panorama, Sky, StarMap, stars,
 };
 use crate::render::plan::Plan;
 use crate::render::trace::{Background, RestFrame, SkyLight};
-use crate::scene::model::{self, Catalogue, ProjectionKind, Scene, SkyRadiance};
+use crate::scene::model::{self, Catalogue, ProjectionKind, Scene, SkyNegative, SkyRadiance};
 use crate::spacetime::Quantity;
 
 /// The scene's sky.
@@ -30,8 +30,9 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
             path,
             scale,
             rotation,
+            negative,
         } => {
-            let (texels, width) = picture(path, &budget)?;
+            let (texels, width) = picture(path, *negative, &budget)?;
             budget.take(Panorama::bytes(width), path)?;
             Some(Panorama::new(texels, width, *scale, *rotation))
         }
@@ -164,29 +165,54 @@ fn contents(path: &Path, budget: &Budget) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The texels of an equirectangular picture, and its width.
-fn picture(path: &Path, budget: &Budget) -> Result<(Vec<[f32; 3]>, usize)> {
-    let ([width, height], texels) = if panorama::is_hdr(path) {
+/// The texels of an equirectangular picture, and its width; those below 0 are dealt with as `negative` says.
+fn picture(path: &Path, negative: SkyNegative, budget: &Budget) -> Result<(Vec<[f32; 3]>, usize)> {
+    let ([width, height], mut texels) = if panorama::is_hdr(path) {
         hdr::read(&contents(path, budget)?, path, budget)?
     } else {
         let layers = exr::read_whole(path, budget)?;
-        let help = "an EXR image with the channels R, G and B";
-        let missing = || Error::invalid(path, "", "it has no R, G and B", help);
-        let radiance = layers.radiance().ok_or_else(missing)?;
-        let texels = radiance.into_iter().map(|rgb| rgb.map(|c| c as f32));
         let size = [layers.width as usize, layers.height as usize];
-        (size, texels.collect::<Vec<_>>())
+        (size, linear(&layers, path)?)
     };
     if width != 2 * height {
         let what = format!("{width} by {height} pixels are not 2:1");
         let help = "a sky is an equirectangular picture, twice as wide as high";
         return Err(Error::invalid(path, "", what, help));
     }
-    let is_bad = |c: &f32| !(*c >= 0.0 && c.is_finite());
-    if let Some(at) = texels.iter().position(|t| t.iter().any(is_bad)) {
-        let place = format!("pixel ({}, {})", at % width, at / width);
-        let what = "a radiance below 0, infinite or not a number";
+    let first = |texels: &[[f32; 3]], is_bad: fn(&f32) -> bool| {
+        let at = texels.iter().position(|t| t.iter().any(is_bad));
+        at.map(|at| format!("pixel ({}, {})", at % width, at / width))
+    };
+    match negative {
+        SkyNegative::Zero => {
+            let all = texels.as_flattened_mut().iter_mut();
+            all.filter(|c| **c < 0.0).for_each(|c| *c = 0.0);
+        }
+        SkyNegative::Refuse => {
+            if let Some(place) = first(&texels, |c| *c < 0.0) {
+                let what = "a radiance below 0";
+                let help = "negative = \"zero\" in the `image` of [sky] takes such radiances as 0";
+                return Err(Error::invalid(path, place, what, help));
+            }
+        }
+    }
+    if let Some(place) = first(&texels, |c| !c.is_finite()) {
+        let what = "a radiance that is infinite or not a number";
         return Err(Error::invalid(path, place, what, "radiances of at least 0"));
     }
     Ok((texels, width))
+}
+
+/// Linear RGB of an EXR picture, which may be grey.
+fn linear(layers: &Layers, path: &Path) -> Result<Vec<[f32; 3]>> {
+    if let Some(radiance) = layers.radiance() {
+        let texels = radiance.into_iter().map(|rgb| rgb.map(|c| c as f32));
+        return Ok(texels.collect());
+    }
+    let grey = layers.grey().ok_or_else(|| {
+        let help = "an EXR image with the channels R, G and B, or Y alone";
+        Error::invalid(path, "", "it has no R, G and B, nor a single channel", help)
+    })?;
+    let texels = grey.samples.to_f64().into_iter();
+    Ok(texels.map(|grey| [grey as f32; 3]).collect())
 }

@@ -20,10 +20,15 @@ use crate::spacetime::units::{Angle, Time};
     expecting = "a table like { position = [0, 3, 0], intensity = 10 }"
 )]
 pub(in crate::scene) struct Light {
-    /// A unique name, for messages and `--set`. Default: its type, with a number if that name is taken.
+    /// A unique name, for messages and `--set`. Default: its type, or its `node` or file, with a number if that name is taken.
     pub name: Option<At<String>>,
+    /// Takes the type, position, direction, cone and brightness from a light of this glTF file (KHR_lights_punctual), as far as other keys do
+    /// not give them. Candela are power per solid angle, and lux power per area, without a factor. The path is relative to the scene file.
+    pub gltf: Option<At<String>>,
+    /// The node of the glTF file that holds the light. Default: the file's only light.
+    pub node: Option<At<String>>,
     /// "point" (the same in all directions), "spot" (a cone), "directional" (parallel light, as from a sun) or "area" (the surface of an
-    /// object). Default: "point".
+    /// object). With `gltf`, that of its light. Default: "point".
     #[serde(default, rename = "type")]
     pub kind: At<LightType>,
     /// World position of a point or spot light when its clock shows 0, metres.

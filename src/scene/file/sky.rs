@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::spectrum::Spectrum;
 use crate::scene::at::At;
+use crate::scene::model::SkyNegative;
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::Angle;
 
@@ -67,12 +68,16 @@ pub(in crate::scene) struct Gradient {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { file = \"sky.exr\" }")]
 pub(in crate::scene) struct SkyImage {
-    /// An .exr or .hdr file of linear RGB radiance, relative to the scene file.
+    /// An .exr or .hdr file of linear RGB radiance, or with a single channel of grey (EXR), relative to the scene file.
     pub file: At<String>,
     /// Factor on its radiance, at least 0: one number, or linear RGB. Default: 1.
     pub scale: Option<At<NumberOrVector>>,
     /// The angle of rotation about +Y, right-handed. Default: "0 deg".
     pub rotation: Option<At<Angle>>,
+    /// What to do with radiances below 0, which filters leave around bright lights: "refuse" or "zero" (they are taken as 0). Default:
+    /// "refuse".
+    #[serde(default)]
+    pub negative: At<SkyNegative>,
 }
 
 /// A disc of uniform radiance.

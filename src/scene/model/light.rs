@@ -1,5 +1,7 @@
 //! Lights: lamps on their own world lines, and objects that shine.
 
+use std::path::PathBuf;
+
 use glam::DVec3;
 
 use super::Motion;
@@ -14,6 +16,8 @@ pub struct Light {
     pub name: String,
     /// The kind of light.
     pub kind: LightKind,
+    /// The glTF file that it was taken from, if it was; relative paths already resolved against the scene file.
+    pub gltf: Option<PathBuf>,
     /// Whether surfaces cast shadows in its light.
     pub shadows: bool,
     /// A byte range of the scene text to point at in messages.

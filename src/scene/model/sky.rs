@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::colour::Spectrum;
 
 /// Light from infinity; its parts add.
@@ -46,9 +50,23 @@ pub enum SkyRadiance {
         scale: [f64; 3],
         /// The angle of rotation about +Y, radians, right-handed.
         rotation: f64,
+        /// What to do with radiances below 0.
+        negative: SkyNegative,
     },
     /// The same everywhere, with this spectrum.
     Spectrum(Spectrum),
+}
+
+/// What to do with radiances below 0 in the picture of a sky, as filters and merged exposures leave them: no light is below 0.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum SkyNegative {
+    /// The picture is refused.
+    #[default]
+    Refuse,
+    /// They become 0.
+    Zero,
 }
 
 /// A disc of uniform radiance.

@@ -140,10 +140,7 @@ pub(super) fn flashing(
         sources.extend(shining.points.iter().map(|p| Source::point(*p, each)));
     }
     if sources.is_empty() {
-        let from_middle = match subject.is_room {
-            true => DVec3::ZERO,
-            false => FLASH,
-        };
+        let from_middle = (subject.inside).map_or(FLASH, |inside| (inside - centre) / radius);
         let place = centre + from_middle * radius;
         // A white surface in the middle that faces the flash, or a wall, has a radiance of about 1 at the peak.
         let distance = from_middle.length_squared().max(1.0) * radius * radius;
@@ -270,7 +267,7 @@ pub(super) fn flashing(
         range: Some(FLASH_RANGE),
         white,
         least_white: 0.0,
-        display: backs_of(subject.is_room).into(),
+        display: backs_of(subject.inside.is_some()).into(),
         flash: Some(light),
     })
 }

@@ -85,7 +85,9 @@ impl Framing {
         if up != DVec3::Y {
             writeln!(text, "up = {}", vector(up))?;
         }
-        writeln!(text, "hfov = \"{:?} deg\"", self.fov)?;
+        // To twelve digits: the arc tangent of a tangent is the angle but for its last digits.
+        let fov: f64 = format!("{:.11e}", self.fov).parse().unwrap_or(self.fov);
+        writeln!(text, "hfov = \"{fov:?} deg\"")?;
         writeln!(text, "size = [{}, {}]", size[0], size[1])?;
         if let Some(Motion { beta, n, .. }) = self.motion {
             let direction = vector(n);

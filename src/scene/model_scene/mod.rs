@@ -22,7 +22,7 @@ use self::flash::{Model, flashing};
 use self::flyby::passing;
 use self::framing::framing;
 use self::motion::Motion;
-use self::subject::{Ball, Subject};
+use self::subject::Subject;
 pub(crate) use self::text::MADE_FOR_MODEL;
 use self::text::{DROPS, backs_of, brightness, light_names, vector, write_light};
 pub use self::text::{FlashLight, ModelScene};
@@ -98,13 +98,13 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
     }
     let lights = gltf::lights(path)?;
     let _ = writeln!(text, "\n[sky]\ngradient = {{}}");
-    let is_sunlit = lights.is_empty() && !subject.is_room;
+    let is_sunlit = lights.is_empty() && subject.inside.is_none();
     if is_sunlit {
         let sun = over_shoulder(camera.eye - subject.ball.centre);
         let _ = writeln!(text, "sun = {{ direction = {} }}", vector(sun));
     }
-    if subject.is_room && lights.is_empty() {
-        let _ = write!(text, "{}", room_lamp(&subject.ball));
+    if let (Some(inside), true) = (subject.inside, lights.is_empty()) {
+        let _ = write!(text, "{}", room_lamp(inside, subject.ball.radius));
     }
     for (light, name) in lights.iter().zip(light_names(&lights)) {
         let _ = write_light(&mut text, light, &name);
@@ -120,7 +120,7 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
         true if is_sunlit => LEAST_WHITE * middle,
         _ => 0.0,
     };
-    let mut display = backs_of(subject.is_room).to_owned();
+    let mut display = backs_of(subject.inside.is_some()).to_owned();
     let is_metal = |factors: &Factors| factors.metallic > 0.5;
     if held.factors.iter().all(is_metal) && !held.has_gloss_textures {
         let _ = writeln!(display, "samples_per_pixel = {METAL_SAMPLES}");
@@ -146,12 +146,11 @@ fn over_shoulder(away: DVec3) -> DVec3 {
     }
 }
 
-/// The lamp of a room without lights, which makes a white wall at the distance of its corners as bright as the sun would.
-fn room_lamp(ball: &Ball) -> String {
-    let Ball { centre, radius } = *ball;
+/// The lamp of a room without lights, at `place`, which makes a white wall at the distance of its corners, `radius`, as bright as the sun would.
+fn room_lamp(place: DVec3, radius: f64) -> String {
     let intensity = PI * radius * radius;
     format!(
         "lights = false\n\n[[light]]\nname = \"lamp\"\ntype = \"point\"\nposition = {}\nintensity = {intensity:?}\n",
-        vector(centre)
+        vector(place)
     )
 }

@@ -48,8 +48,8 @@ pub(super) struct Subject {
     pub(super) floor: Option<f64>,
     /// The height of a wide ground that is left out.
     pub(super) ground: Option<f64>,
-    /// Whether it is a room: its walls surround the middle and face it.
-    pub(super) is_room: bool,
+    /// A point inside, the middle if possible, if it is a room: its walls surround the point and face it.
+    pub(super) inside: Option<DVec3>,
     /// What of its surface a camera at [`VIEWPOINT`] may see, in pieces; empty unless it flashes.
     pub(super) seen: Vec<Piece>,
     /// The surfaces of the whole model that shine without a texture; none unless it flashes.
@@ -140,11 +140,12 @@ impl Subject {
                     ..Subject::within(above, mesh, is_above)
                 },
                 None => {
-                    let is_room = is_room(mesh, all.centre);
-                    let has_floor = is_room || has_ground(mesh, bottom + THICK * all.radius);
+                    let inside = inside_room(mesh, all.centre);
+                    let has_floor =
+                        inside.is_some() || has_ground(mesh, bottom + THICK * all.radius);
                     Subject {
                         floor: (!has_floor).then_some(bottom),
-                        is_room,
+                        inside,
                         ..Subject::within(all, mesh, |_| true)
                     }
                 }
@@ -177,26 +178,49 @@ impl Subject {
             outline: outline.map(|(_, point)| point).collect(),
             floor: None,
             ground: None,
-            is_room: false,
+            inside: None,
             seen: Vec::new(),
             shining: Shining::default(),
         }
     }
 }
 
-/// Whether the surfaces of `mesh` surround `centre` and face it, as the walls of a room do: the winding number about it, which is 1 inside a
+/// A point that the surfaces of `mesh` surround and face, as the walls of a room do: the winding number about it, which is 1 inside a
 /// closed body and 0 outside (Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation using generalized winding numbers",
 /// 2013), is near −1. Of a cube without one face it is −5/6, of a corner of three walls of a box −1/2.
-fn is_room(mesh: &Mesh, centre: DVec3) -> bool {
-    let mut solid_angle = 0.0;
-    for (corners, material) in with_materials(mesh) {
-        // Both sides of it are seen.
-        if material.double_sided {
-            return false;
-        }
-        solid_angle += mesh::solid_angle(corners, centre);
+///
+/// Something may stand at the `centre` of a room, about which the winding number is then 0. If the whole mesh faces inwards, that is, if its
+/// signed volume is below 0, it is also a room if most of the points half-way to the corners of its box are inside: of two opposite points
+/// in a corner of three walls, one at most is. Then it is the first of these, from above and towards the viewer.
+fn inside_room(mesh: &Mesh, centre: DVec3) -> Option<DVec3> {
+    // Both sides of it are seen.
+    if with_materials(mesh).any(|(_, material)| material.double_sided) {
+        return None;
     }
-    solid_angle < ROOM * 4.0 * PI
+    let triangles = || counted(mesh, |_| true);
+    let is_inside = |point: &DVec3| {
+        let solid_angle: f64 = triangles().map(|t| mesh::solid_angle(t, *point)).sum();
+        solid_angle < ROOM * 4.0 * PI
+    };
+    if is_inside(&centre) {
+        return Some(centre);
+    }
+    let (mut six_volumes, mut reach) = (0.0, DVec3::ZERO);
+    for [a, b, c] in triangles().map(|t| t.map(|p| p - centre)) {
+        six_volumes += a.dot(b.cross(c));
+        reach = [a, b, c].iter().fold(reach, |most, p| most.max(p.abs()));
+    }
+    if six_volumes >= 0.0 {
+        return None;
+    }
+    let sides = [1.0, -1.0];
+    let corners = sides.iter().flat_map(|&y| {
+        let x = move |z: f64| sides.map(|x| DVec3::new(x, y, z));
+        sides.into_iter().flat_map(x)
+    });
+    let points = corners.map(|corner| centre + 0.5 * corner * reach);
+    let points: Vec<DVec3> = points.filter(is_inside).collect();
+    points.first().copied().filter(|_| points.len() > 4)
 }
 
 /// The surface of the triangles within `ball`, as far as a camera at [`VIEWPOINT`] may see it: whatever faces it.

@@ -24,7 +24,7 @@ fn slab(size: DVec3, middle: DVec3) -> Subject {
         outline,
         floor: None,
         ground: None,
-        is_room: false,
+        inside: None,
         seen: Vec::new(),
         shining: Shining::default(),
     }
@@ -353,7 +353,7 @@ fn rooms_are_told_from_bodies_and_corners() {
     room.triangles
         .iter_mut()
         .for_each(|triangle| triangle.swap(1, 2));
-    let is_room = |mesh: &Mesh| Subject::in_mesh(mesh).unwrap().is_room;
+    let is_room = |mesh: &Mesh| Subject::in_mesh(mesh).unwrap().inside.is_some();
     assert!(!is_room(&body));
     assert!(is_room(&room));
     // Without its ceiling; and a corner: the floor and two walls.
@@ -372,4 +372,37 @@ fn rooms_are_told_from_bodies_and_corners() {
     };
     assert!(is_room(&without(&[-DVec3::Y])));
     assert!(!is_room(&without(&[-DVec3::Y, -DVec3::X, -DVec3::Z])));
+}
+
+#[test]
+fn a_room_with_a_body_in_its_middle_is_a_room_and_its_lamp_is_beside_the_body() {
+    let block = |size: [f64; 3]| shapes::mesh(Shape::Box { size }, [1.0; 3]);
+    let with = |walls: Mesh, body: Mesh| {
+        let first = walls.positions.len() as u32;
+        let triangles = body.triangles.iter().map(|t| t.map(|k| k + first));
+        let mut mesh = walls.clone();
+        mesh.triangles.extend(triangles);
+        mesh.positions.extend(body.positions);
+        mesh.parts[0].triangles = mesh.triangles.len() as u32;
+        Mesh {
+            uvs: Vec::new(),
+            normals: Vec::new(),
+            ..mesh
+        }
+    };
+    let turned = |mut mesh: Mesh| {
+        let turn = |triangle: &mut [u32; 3]| triangle.swap(1, 2);
+        mesh.triangles.iter_mut().for_each(turn);
+        mesh
+    };
+    let inside = |mesh: &Mesh| Subject::in_mesh(mesh).unwrap().inside;
+    let walls = || turned(block([4.0, 3.0, 5.0]));
+    assert_eq!(inside(&walls()), Some(DVec3::ZERO));
+    // Half-way to the corner above that is nearest to the viewer.
+    let place = DVec3::new(1.0, 0.75, 1.25);
+    let furnished = with(walls(), block([0.5; 3]));
+    assert_eq!(inside(&furnished), Some(place));
+    // A shell of two surfaces, seen from outside, is a body, whatever is turned inside it.
+    let hollow = with(block([4.0, 3.0, 5.0]), turned(block([0.5; 3])));
+    assert_eq!(inside(&hollow), None);
 }

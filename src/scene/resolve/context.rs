@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::io::gltf::GltfTrack;
+use crate::io::gltf::{GltfLight, GltfTrack};
 use crate::scene::at::At;
 use crate::scene::inputs::{Inputs, Pose};
 use crate::scene::limits::Wrong;
@@ -306,6 +306,13 @@ impl Context {
         self.path(file, GLTF)?;
         let missing = || Err(self.refuse(file, "the animation of this file was not read", ""));
         self.inputs.track(file).unwrap_or_else(missing)
+    }
+
+    /// A light of a glTF file.
+    pub(in crate::scene) fn gltf_light(&self, file: &At<String>) -> Result<GltfLight> {
+        self.path(file, GLTF)?;
+        let missing = || Err(self.refuse(file, "the light of this file was not read", ""));
+        self.inputs.light(file).unwrap_or_else(missing)
     }
 
     /// The rows of the spectrum in a text file.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::context::Context;
-use super::{camera, light, object, settings, source, velocity};
+use super::{camera, gltf_light, light, object, settings, source, velocity};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
@@ -57,12 +57,13 @@ impl Kinematics {
         })
     }
 
-    /// With the world lines of lamps, which only diagrams need.
+    /// With the world lines of lamps, which only diagrams need; `lights` get what they take from glTF files.
     pub(in crate::scene) fn with_lamps(
         self,
         cx: &Context,
-        lights: &[At<file::Light>],
+        lights: &mut [At<file::Light>],
     ) -> Result<Self> {
+        gltf_light::fill(cx, lights)?;
         let lamps = lights.iter().zip(light::names(lights));
         let lamps = lamps.filter(|(at, _)| light::has_place(at.value.kind.value));
         let line = |(at, name)| Ok((name, light::moving(cx, at)?.line));

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::context::Context;
+use super::context::{Context, GLTF};
 use super::motion::{self, Moving};
 use super::mover::{Mover, only_one_way};
 use super::{object, path, spectrum};
@@ -56,6 +56,9 @@ pub(super) fn resolve_all(
             Ok(Light {
                 name,
                 kind: kind(cx, at, around)?,
+                gltf: (at.value.gltf.as_ref())
+                    .map(|file| cx.path(file, GLTF))
+                    .transpose()?,
                 shadows: at.value.shadows,
                 span: span(at),
             })
@@ -66,8 +69,11 @@ pub(super) fn resolve_all(
 /// The names of lights, those of the file or defaults.
 pub(super) fn names(lights: &[At<file::Light>]) -> Vec<String> {
     let entry = |at: &At<file::Light>| {
-        let name = at.value.name.as_ref().map(|name| name.value.clone());
-        (name, at.value.kind.value.name().to_string())
+        let text = |at: &'_ Option<At<String>>| at.as_ref().map(|at| at.value.clone());
+        let (gltf, node) = (text(&at.value.gltf), text(&at.value.node));
+        let kind = at.value.kind.value.name();
+        let default = names::light(gltf.as_deref(), node.as_deref(), kind);
+        (text(&at.value.name), default)
     };
     names::unique(lights.iter().map(entry).collect())
 }

@@ -4,6 +4,7 @@ mod binding;
 mod camera;
 mod context;
 mod equations;
+mod gltf_light;
 mod kinematics;
 mod light;
 mod motion;
@@ -39,9 +40,11 @@ pub(crate) use kinematics::{CameraMotion, Kinematics, ObjectMotion};
 pub(crate) use object::refuse_duplicates;
 
 /// The scene in `file`, which was read from the report's text, with what was found in the files that it names.
-pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Result<Scene> {
+pub(super) fn scene(report: Report, inputs: Inputs, mut file: file::Scene) -> Result<Scene> {
     let mut cx = Context::new(report, inputs, &file.speed_of_light)?;
     cx.inputs.if_missing = cx.optional_text(&file.if_missing, "what to do")?;
+    gltf_light::fill(&cx, &mut file.light)?;
+    let file = &file;
     let medium_index = settings::medium_index(&cx, &file.medium)?;
     let said = file
         .camera

@@ -85,6 +85,7 @@ fn background(
             path: cx.path(&image.file, &["exr", "hdr"])?,
             scale: channels(cx, &image.scale)?,
             rotation: image.rotation.as_ref().map_or(0.0, |at| at.value.radians()),
+            negative: image.negative.value,
         });
     }
     Ok(SkyRadiance::Uniform(match &sky.radiance {

@@ -6,6 +6,7 @@ mod cases;
 mod accepted;
 mod cameras;
 mod hostile;
+mod lights;
 mod motion;
 mod overridden;
 mod refused;

@@ -66,7 +66,7 @@ fn assert_within([d, w, p]: [Worst; 3], what: &str) {
 #[test]
 fn light_passes_the_pinhole_of_a_rigid_camera_before_it_reaches_the_sensor() {
     let mut worst = Default::default();
-    let [mut distance, mut reached, mut own] = Default::default();
+    let [mut distance, mut reached, mut own]: [Worst; 3] = Default::default();
     let table = rows("pinhole_a.csv");
     assert_eq!(table.len(), 100);
     for row in &table {
@@ -119,7 +119,7 @@ fn light_passes_the_pinhole_of_a_rigid_camera_before_it_reaches_the_sensor() {
 #[test]
 fn light_finds_the_pinhole_that_accelerates_ahead_of_its_sensor() {
     let mut worst = Default::default();
-    let [mut speed, mut apart, mut own] = Default::default();
+    let [mut speed, mut apart, mut own]: [Worst; 3] = Default::default();
     let table = rows("pinhole_b.csv");
     assert_eq!(table.len(), 100);
     for row in &table {
@@ -172,7 +172,7 @@ fn light_finds_the_pinhole_that_accelerates_ahead_of_its_sensor() {
 #[test]
 fn a_turning_sensor_sees_a_pinhole_at_rest() {
     let mut worst = Default::default();
-    let [mut look, mut shift, mut own] = Default::default();
+    let [mut look, mut shift, mut own]: [Worst; 3] = Default::default();
     let table = rows("pinhole_c.csv");
     assert_eq!(table.len(), 200);
     for row in &table {

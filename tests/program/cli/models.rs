@@ -352,6 +352,144 @@ fn a_model_in_light_brighter_than_any_white_of_a_scene_file_is_exposed_by_its_pi
     assert!(said.contains("white is radiance"), "{said}");
 }
 
+const LIGHTS_UNREAD: &str =
+    "the file's lights shine in a scene only if it names them, by gltf and node in [[light]]";
+
+/// The values of a table whose keys a file gives are those that the scene of a model alone has: no unit is converted on the way.
+#[test]
+fn a_scene_that_names_the_lights_of_a_model_shows_the_picture_of_the_model() {
+    let folder = folder(1.0);
+    let mut model: serde_json::Value = serde_json::from_slice(&folder.read("model.gltf")).unwrap();
+    model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    model["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+        { "type": "spot", "intensity": 5.3, "color": [1, 0.7, 0.3], "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.31 } },
+        { "type": "point", "intensity": 3.7 },
+        { "type": "directional", "intensity": 0.9, "color": [0.2, 0.3, 1] },
+    ] } });
+    let node = |name: &str, light: usize, place: [f64; 3], turn: [f64; 4]| {
+        json!({ "name": name, "translation": place, "rotation": turn,
+            "extensions": { "KHR_lights_punctual": { "light": light } } })
+    };
+    model["nodes"] = json!([
+        { "mesh": 0 },
+        node("Torch", 0, [3.1, 1.3, 0.7], [0.1, 0.05, 0.0, 0.993_730_345]),
+        node("Bulb", 1, [2.3, 1.7, -1.2], [0.0, 0.0, 0.0, 1.0]),
+        node("Sun", 2, [0.0; 3], [-0.3, 0.2, 0.1, 0.927_361_849]),
+    ]);
+    folder.write("model.gltf", model.to_string());
+    let printed = folder.ok(&["render", "model.gltf", "--print-scene"]);
+    let (head, rest) = printed.split_once("\n[[light]]").unwrap();
+    let (_, display) = rest.split_once("\n[display]").unwrap();
+    let tables = ["Torch", "Bulb", "Sun"]
+        .map(|node| format!("\n[[light]]\ngltf = \"model.gltf\"\nnode = \"{node}\"\n"));
+    let named = format!("{head}{}\n[display]{display}", tables.concat());
+    folder.write("printed.toml", printed.as_str());
+    // As somebody would write it.
+    folder.write("named.toml", named.split_once('\n').unwrap().1);
+    render(&folder, &["printed.toml", "-o", "printed.exr"]);
+    let said = folder.ok(&[&["render", "named.toml", "-o", "named.exr"], &SIZE[..]].concat());
+    assert!(!said.contains(LIGHTS_UNREAD), "{said}");
+    let lit = picture(&folder, "named.exr").channels;
+    assert_eq!(lit, picture(&folder, "printed.exr").channels);
+    let unlit = format!("{head}\n[display]{display}");
+    folder.write("unlit.toml", unlit.split_once('\n').unwrap().1);
+    let said = folder.ok(&[&["render", "unlit.toml", "-o", "unlit.exr"], &SIZE[..]].concat());
+    assert!(said.contains(LIGHTS_UNREAD), "{said}");
+    assert_ne!(lit, picture(&folder, "unlit.exr").channels);
+}
+
+#[test]
+fn a_model_of_which_nothing_is_lit_or_nothing_is_left_says_so() {
+    let folder = folder(1.0);
+    let text = String::from_utf8(folder.read("model.gltf")).unwrap();
+    let dark = "nothing of the model in view is lit";
+    let render = |name: &str| folder.ok(&[&["render", name, "-o", "a.png"], &SIZE[..]].concat());
+    assert!(!render("model.gltf").contains(dark));
+    let black = text.replace(
+        "\"metallicFactor\":0.0",
+        "\"metallicFactor\":0.0,\"baseColorFactor\":[0,0,0,1]",
+    );
+    assert_ne!(black, text);
+    folder.write("black.gltf", black);
+    let said = render("black.gltf");
+    assert!(said.contains(dark), "{said}");
+    // Colours of vertices are read for the picture alone.
+    let mut model: serde_json::Value = serde_json::from_str(&text).unwrap();
+    model["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(1);
+    model["accessors"].as_array_mut().unwrap().push(json!({
+        "bufferView": 1, "componentType": 5126, "count": 6, "type": "VEC3" }));
+    model["bufferViews"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "buffer": 1, "byteLength": 72 }));
+    model["buffers"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "byteLength": 72, "uri": "colours.bin" }));
+    folder.write("colours.bin", f32::NAN.to_le_bytes().repeat(18));
+    folder.write("colours.gltf", model.to_string());
+    let said = render("colours.gltf");
+    assert!(
+        said.contains("only the sky is in view: no triangle can be seen"),
+        "{said}"
+    );
+    assert!(!said.contains("aim the camera"), "{said}");
+}
+
+#[test]
+fn numbers_of_the_scene_of_a_model_have_no_digits_of_rounding() {
+    let folder = folder(1.0);
+    for motion in [&[][..], &["--flyby"], &["--beta", "0.9"]] {
+        let printed = folder.ok(&[&["render", "model.gltf", "--print-scene"], motion].concat());
+        let angle = printed
+            .lines()
+            .find_map(|line| line.strip_prefix("hfov = \""))
+            .unwrap();
+        let digits = angle.chars().filter(char::is_ascii_digit).count();
+        assert!(digits <= 12, "{motion:?}: {angle}");
+        assert!(
+            !motion.is_empty() || angle.starts_with("50.0 deg"),
+            "{angle}"
+        );
+    }
+}
+
+#[test]
+fn a_surface_of_which_parts_shine_is_said_to_be_lit_by_its_lights_once() {
+    let folder = folder(1.0);
+    let mut model: serde_json::Value = serde_json::from_slice(&folder.read("model.gltf")).unwrap();
+    let (shining, mut part) = (
+        json!({ "name": "bulb", "emissiveFactor": [1, 1, 1] }),
+        model["meshes"][0]["primitives"][0].clone(),
+    );
+    part["material"] = json!(1);
+    model["materials"].as_array_mut().unwrap().push(shining);
+    model["meshes"][0]["primitives"]
+        .as_array_mut()
+        .unwrap()
+        .push(part);
+    folder.write("model.gltf", model.to_string());
+    let plan = folder.ok(&["plan", "model.gltf"]);
+    assert_eq!(plan.matches("lit by the sky").count(), 1, "{plan}");
+    assert!(
+        plan.contains("base colour lit by the sky, and what parts of it emit"),
+        "{plan}"
+    );
+    // Plural and singular of what it holds.
+    let info = folder.ok(&["info", "model.gltf"]);
+    assert!(
+        info.contains("1, placed as 2 primitives") && info.contains("0 images"),
+        "{info}"
+    );
+    model["meshes"][0]["primitives"]
+        .as_array_mut()
+        .unwrap()
+        .pop();
+    folder.write("model.gltf", model.to_string());
+    let info = folder.ok(&["info", "model.gltf"]);
+    assert!(info.contains("1, placed as 1 primitive\n"), "{info}");
+}
+
 #[test]
 fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     let folder = folder(1.0);
@@ -378,10 +516,7 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     let mut arguments = vec!["render", "model.gltf", "-o", "a.exr"];
     arguments.extend(SIZE);
     let said = folder.ok(&arguments);
-    assert!(
-        !said.contains("shine only if it is rendered without a scene"),
-        "{said}"
-    );
+    assert!(!said.contains(LIGHTS_UNREAD), "{said}");
     assert!(
         said.contains("the range of its light is not applied"),
         "{said}"
@@ -391,17 +526,11 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
                [[object]]\ngltf = \"model.gltf\"\n";
     folder.write("own.toml", own);
     let said = folder.ok(&["render", "own.toml", "-o", "b.exr"]);
-    assert!(
-        said.contains("shine only if it is rendered without a scene"),
-        "{said}"
-    );
+    assert!(said.contains(LIGHTS_UNREAD), "{said}");
     // Also one that has no light, which shows base colours.
     folder.write("dark.toml", own.replace("[sky]\ngradient = {}\n", ""));
     let said = folder.ok(&["render", "dark.toml", "-o", "c.exr"]);
-    assert!(
-        said.contains("shine only if it is rendered without a scene"),
-        "{said}"
-    );
+    assert!(said.contains(LIGHTS_UNREAD), "{said}");
 }
 
 #[test]

@@ -73,6 +73,100 @@ fn a_sky_that_is_not_twice_as_wide_as_high_is_refused() {
     );
 }
 
+/// A folder with `grey.exr` and `coloured.exr`, which show the same, and a scene that shows a sky.
+fn skies(value: impl Fn(usize) -> f32) -> Folder {
+    let folder = Folder::empty();
+    let write = |file: &str, names: &[&str]| {
+        let channel = |name: &&str| Channel {
+            name: (*name).into(),
+            samples: Samples::F32((0..32).map(&value).collect()),
+        };
+        let layers = Layers::new(8, 4, names.iter().map(channel).collect(), vec![]).unwrap();
+        exr::write(&folder.path(file), &layers).unwrap();
+    };
+    write("grey.exr", &["Y"]);
+    write("coloured.exr", &["R", "G", "B"]);
+    write("many.exr", &["Y", "heat"]);
+    folder.write(
+        "sky.toml",
+        "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nprojection = \"equirectangular\"\nsize = [16, 8]\n\
+         [sky]\nimage = { file = \"coloured.exr\" }\n[display]\nwhite = 1\n",
+    );
+    folder
+}
+
+#[test]
+fn a_grey_sky_has_three_equal_channels() {
+    let folder = skies(|at| at as f32);
+    let render = |file: &str| {
+        let set = format!("sky.image.file=\"{file}\"");
+        folder.ok(&[
+            "render",
+            "sky.toml",
+            "--pixel-centers",
+            "--set",
+            &set,
+            "-o",
+            "a.exr",
+        ]);
+        exr::read(&folder.path("a.exr"), &Default::default())
+            .unwrap()
+            .radiance()
+            .unwrap()
+    };
+    let grey = render("grey.exr");
+    assert!(grey.iter().any(|rgb| rgb[0] > 1.0));
+    assert_eq!(grey, render("coloured.exr"));
+    refused(
+        &folder,
+        &["render", "sky.toml", "--set", "sky.image.file=\"many.exr\""],
+        &[
+            "many.exr",
+            "it has no R, G and B, nor a single channel",
+            "or Y alone",
+        ],
+    );
+}
+
+#[test]
+fn radiances_of_a_sky_below_zero_are_refused_or_zero() {
+    let value = |least: f32| move |at: usize| if at == 13 { least } else { at as f32 };
+    let pixels = |folder: &Folder, set: &[&str]| {
+        folder.ok(&[
+            &["render", "sky.toml", "--pixel-centers", "-o", "a.exr"],
+            set,
+        ]
+        .concat());
+        exr::read(&folder.path("a.exr"), &Default::default())
+            .unwrap()
+            .radiance()
+            .unwrap()
+    };
+    let negative = skies(value(-0.5));
+    refused(
+        &negative,
+        &["render", "sky.toml"],
+        &[
+            "coloured.exr",
+            "pixel (5, 1)",
+            "a radiance below 0",
+            "negative = \"zero\"",
+        ],
+    );
+    let zero = ["--set", "sky.image.negative=\"zero\""];
+    assert_eq!(pixels(&negative, &zero), pixels(&skies(value(0.0)), &[]));
+    refused(
+        &skies(value(f32::NAN)),
+        &[&["render", "sky.toml"][..], &zero].concat(),
+        &["pixel (5, 1)", "infinite or not a number"],
+    );
+    refused(
+        &negative,
+        &["render", "sky.toml", "--set", "sky.image.negative=\"keep\""],
+        &["sky.image.negative", "refuse, zero"],
+    );
+}
+
 #[test]
 fn a_sky_whose_image_is_black_is_the_reason_why_a_picture_is() {
     let folder = Folder::empty();

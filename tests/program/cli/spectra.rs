@@ -24,6 +24,37 @@ fn a_spectrum_out_of_sight_is_told_and_no_other_time_is_advised() {
 }
 
 #[test]
+fn a_spectrum_that_nobody_sees_at_rest_is_outside_the_visible_range() {
+    let folder = Folder::empty();
+    let scene = |beta: &str| {
+        format!(
+            "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nhfov = \"1 deg\"\nsize = [4, 4]\n\
+             velocity = {{ beta = [0, 0, {beta}] }}\n\
+             [[object]]\nname = \"s\"\nshape = {{ plane = {{ size = [9, 9] }} }}\nspectrum = {{ flat = [\"9 um\", \"11 um\"], total = 1 }}\n\
+             transform = {{ rotate = {{ axis = [1, 0, 0], angle = \"90 deg\" }} }}\n\
+             [radiance]\nquantity = \"rgb\"\n"
+        )
+    };
+    let render = |beta: &str| {
+        folder.write("line.toml", scene(beta));
+        folder.ok(&["render", "line.toml", "-o", "line.png"])
+    };
+    let said = render("0");
+    assert!(
+        said.contains(
+            "the spectrum of \"s\" is outside the visible range (see display.false_colour)"
+        ),
+        "{said}"
+    );
+    // Away from it at 0.6 c all wavelengths are twice as long, to four digits.
+    let said = render("0.6");
+    assert!(
+        said.contains("the spectrum of \"s\" is seen at 2 times its wavelengths: none"),
+        "{said}"
+    );
+}
+
+#[test]
 fn surfaces_that_are_black_in_false_colours_have_the_remedy_told() {
     let folder = Folder::empty();
     folder.write(

@@ -497,7 +497,8 @@ pub const CHANNELS: [Aov; 4] = [
 /// The film has [`CHANNELS`] and one sample at the centre of each pixel.
 ///
 /// # Errors
-/// A film that does not meet this; as [`Observer::of`] and [`Observer::projection`].
+/// A film that does not meet this; a camera whose rays leave events of their own, or whose projection bends straight lines; objects as
+/// fast as light in the medium, or faster.
 pub fn displacements(scene: &Prepared, film: &Film) -> Result<Vec<[f64; 2]>> {
     let [Some(object), Some(x), Some(y), Some(z)] = CHANNELS.map(|aov| film.aov(aov)) else {
         return Err(unfit());

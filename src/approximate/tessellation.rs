@@ -125,7 +125,8 @@ impl Bend {
 /// Estimates the edge lengths that keep everything that `scene`, prepared as `prepared`, shows within `pixels` of its true position.
 ///
 /// # Errors
-/// As [`Observer::of`] and [`Observer::projection`]; [`Error::Cancelled`] when `progress` says so.
+/// A camera whose rays leave events of their own, or whose projection bends straight lines; objects as fast as light in the medium, or
+/// faster; [`Error::Cancelled`] when `progress` says so.
 pub fn forecast(
     scene: &Scene,
     prepared: &Prepared,

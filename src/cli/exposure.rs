@@ -179,7 +179,7 @@ impl Measured {
             Measured::Dark => {
                 let text = "nothing of the model in view is lit, so that it is black: no light reaches it, or it reflects none \
                             (--print-scene writes a scene to which you can add lights)\n";
-                super::say(quiet, text).map(|()| None)
+                super::console::say(quiet, text).map(|()| None)
             }
         }
     }

@@ -33,7 +33,7 @@ pub struct BakeArguments {
     #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
     pub texels: Option<[u32; 2]>,
     /// The set of texture coordinates; no two parts of an object's surface may overlap in it. Default: the first set
-    /// without overlaps, or an atlas for objects that have none.
+    /// without overlaps and with two texels between charts, or an atlas for objects that have none.
     #[arg(long, value_name = "SET", allow_negative_numbers = true)]
     pub uv: Option<u8>,
     /// Make texture coordinates that do not overlap: an atlas of flat charts. They are written with the light, as the array

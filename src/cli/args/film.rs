@@ -10,7 +10,7 @@ use super::shared::{Changes, ExposureArgument, ScenePath, WorkArguments};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
-#[command(arg = Arg::new("frames").long("frames").hide(true).value_parser(frames_of_film))]
+#[command(arg = Arg::new("frames").long("frames").hide(true).allow_hyphen_values(true).value_parser(frames_of_film))]
 #[command(mut_arg("time", |time| time.help("The time of the scene's own camera, by its clock, when --flyby passes its place, or when --accelerate or --speeds begin: \"3.2 m\" or \"12 ns\"")))]
 pub struct FilmArguments {
     #[command(flatten)]

@@ -29,13 +29,16 @@ const WORDS: [&str; 19] = [
 #[test]
 fn a_number_below_0_is_the_value_of_its_option_and_not_another_option() {
     let program = Arguments::command();
-    let mut tried = 0;
+    let (mut tried, mut refused) = (0, Vec::new());
     for command in program.get_subcommands() {
         for option in command.get_opts() {
             let value = option
                 .get_value_names()
                 .map_or("", |names| names[0].as_str());
-            if WORDS.contains(&value) || value.starts_with("FILE") {
+            if !option.get_action().takes_values()
+                || WORDS.contains(&value)
+                || value.starts_with("FILE")
+            {
                 continue;
             }
             let Some(name) = option.get_long() else {
@@ -50,10 +53,13 @@ fn a_number_below_0_is_the_value_of_its_option_and_not_another_option() {
                 let words = ["nullray", command.get_name(), &name, number];
                 let kind = program.clone().try_get_matches_from(words).err();
                 let kind = kind.map(|error| error.kind());
-                assert_ne!(kind, Some(ErrorKind::UnknownArgument), "{words:?}");
+                if kind == Some(ErrorKind::UnknownArgument) {
+                    refused.push(words.join(" "));
+                }
                 tried += 1;
             }
         }
     }
+    assert_eq!(refused, Vec::<String>::new());
     assert!(tried > 100, "{tried}");
 }

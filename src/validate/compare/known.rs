@@ -17,8 +17,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::picture::{Picture, Plane, is_identity};
-use super::points::{OBJECT_POINT, Points, around, place};
-use super::surface::FEWEST_OF_OBJECT;
+use super::points::{FEWEST_OF_OBJECT, OBJECT_POINT, Points, around, place};
 use crate::camera::{AnyProjection, Projection, Shot};
 use crate::error::Result;
 use crate::io::image::{Channel, Layers, Samples};

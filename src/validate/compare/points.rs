@@ -12,6 +12,9 @@ pub(super) const DIRECTION: [Aov; 3] = [Aov::DirectionX, Aov::DirectionY, Aov::D
 /// The third coordinate is redundant.
 const BARYCENTRIC: [Aov; 3] = [Aov::BarycentricU, Aov::BarycentricV, Aov::BarycentricV];
 
+/// The fewest pixels of an object that can be reported missing: with fewer, an allowed error may move all of them.
+pub(super) const FEWEST_OF_OBJECT: u64 = 8;
+
 /// Channels of surface points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Points<'a> {

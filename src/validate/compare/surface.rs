@@ -59,7 +59,7 @@ use super::errors::{Histogram, Sums};
 use super::geometry::{self, Field, Search};
 use super::options::Region;
 use super::picture::Plane;
-use super::points::Points;
+use super::points::{FEWEST_OF_OBJECT, Points};
 use crate::io::image::Layers;
 use crate::render::aov::Aov;
 
@@ -147,9 +147,6 @@ pub struct Unmeasured {
     /// Those of them where the candidate shows it, too.
     pub shown: u64,
 }
-
-/// The fewest pixels of an object that can be reported missing: with fewer, an allowed error may move all of them.
-pub(super) const FEWEST_OF_OBJECT: u64 = 8;
 
 /// Statistics of values that are not below 0, at least one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

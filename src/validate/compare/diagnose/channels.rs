@@ -330,7 +330,7 @@ fn scales_of_times(case: &Case, found: &[Diagnosis]) -> Vec<Diagnosis> {
     let scaled = groups.into_iter().filter_map(|(aov, group)| {
         let of_times = scale_of(case, aov)?;
         let of_places = of_times.what.to_string().replacen(aov.name(), group, 1);
-        let is_same = |found: &Diagnosis| found.what.to_string() == of_places;
+        let is_same = |found: &Diagnosis| found.what == of_places;
         (!found.iter().any(is_same)).then_some(of_times)
     });
     scaled.collect()

@@ -26,8 +26,7 @@ use rayon::prelude::*;
 
 use super::super::known::{Change, KnownScene};
 use super::super::picture::{Picture, Plane};
-use super::super::points::place;
-use super::super::surface::FEWEST_OF_OBJECT;
+use super::super::points::{FEWEST_OF_OBJECT, place};
 use super::displacement::{NOTABLE_DISPLACEMENT, displaced, displaced_if_promising};
 use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
 use crate::error::{Message, Setting};

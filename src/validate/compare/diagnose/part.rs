@@ -6,8 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::super::geometry::Field;
-use super::super::points::around;
-use super::super::surface::FEWEST_OF_OBJECT;
+use super::super::points::{FEWEST_OF_OBJECT, around};
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, camera, median, motion};
 
 /// The smallest notable displacement, pixels.

@@ -297,7 +297,7 @@ pub(super) fn displays(
 }
 
 /// The first channel of the reference that the candidate has, too.
-fn common<'a>([reference, candidate]: [&'a Picture; 2]) -> Option<&'a str> {
+fn common([reference, candidate]: [&Picture; 2]) -> Option<&str> {
     let names = reference.layers.channels.iter().map(|c| c.name.as_str());
     let mut both = names.filter(|name| candidate.layers.channel(name).is_some());
     both.next()

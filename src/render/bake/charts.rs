@@ -20,40 +20,64 @@ const ROUNDING: f64 = 1e-3;
 /// Bytes per triangle while charts are found.
 pub const BYTES: usize = 3 * size_of::<(u64, u32)>() + 2 * size_of::<u32>();
 
-/// The number of texels, in a texture of `size` columns and rows, that lookups on several charts read. The charts are those of `count`
-/// triangles, whose corners are `at` these places (metres) and texture coordinates (texels).
-pub fn shared(
-    count: usize,
-    at: impl Fn(usize) -> ([DVec3; 3], [DVec2; 3]),
-    size: [usize; 2],
-) -> u64 {
-    let charts = charts(count, &at);
-    if charts.iter().all(|chart| *chart == 0) {
-        return 0;
-    }
-    let [width, height] = size;
-    let mut readers = vec![UNREAD; width * height];
-    for (k, chart) in charts.into_iter().enumerate() {
-        // Cell 0 begins at the centre before the first.
-        let cells = at(k).1.map(|p| p + DVec2::splat(0.5));
-        for (i, columns) in reached(cells, -ROUNDING, [width + 1, height + 1]) {
-            for j in columns {
-                // At the border of the texture its last texel takes the place of those beyond it.
-                for row in [i.max(1) - 1, i.min(height - 1)] {
-                    for column in [j.max(1) - 1, j.min(width - 1)] {
-                        let reader = &mut readers[row * width + column];
-                        *reader = match *reader {
-                            UNREAD => chart,
-                            other if other == chart => chart,
-                            _ => SHARED,
-                        };
+/// For each texel, row by row, the chart whose lookups read it; empty if there is one chart only.
+#[derive(Default)]
+pub struct Readers {
+    charts: Vec<u32>,
+}
+
+impl Readers {
+    /// Those of `count` triangles, whose corners are `at` these places (metres) and texture coordinates (texels), in a texture of `size`
+    /// columns and rows.
+    pub fn of(
+        count: usize,
+        at: impl Fn(usize) -> ([DVec3; 3], [DVec2; 3]),
+        size: [usize; 2],
+    ) -> Self {
+        let charts = charts(count, &at);
+        if charts.iter().all(|chart| *chart == 0) {
+            return Readers { charts: Vec::new() };
+        }
+        let [width, height] = size;
+        let mut readers = vec![UNREAD; width * height];
+        for (k, chart) in charts.into_iter().enumerate() {
+            // Cell 0 begins at the centre before the first.
+            let cells = at(k).1.map(|p| p + DVec2::splat(0.5));
+            for (i, columns) in reached(cells, -ROUNDING, [width + 1, height + 1]) {
+                for j in columns {
+                    // At the border of the texture its last texel takes the place of those beyond it.
+                    for row in [i.max(1) - 1, i.min(height - 1)] {
+                        for column in [j.max(1) - 1, j.min(width - 1)] {
+                            let reader = &mut readers[row * width + column];
+                            *reader = match *reader {
+                                UNREAD => chart,
+                                other if other == chart => chart,
+                                _ => SHARED,
+                            };
+                        }
                     }
                 }
             }
         }
+        Readers { charts: readers }
     }
-    let shared = readers.iter().filter(|chart| **chart == SHARED);
-    shared.count() as u64
+
+    /// Number of texels that lookups on several charts read.
+    pub fn shared(&self) -> u64 {
+        self.charts.iter().filter(|chart| **chart == SHARED).count() as u64
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.charts.as_slice())
+    }
+
+    /// Whether lookups that read a texel expect the light of another one's chart there.
+    pub fn belong_together(&self, texel: usize, other: usize) -> bool {
+        match (self.charts.get(texel), self.charts.get(other)) {
+            (Some(&UNREAD | &SHARED), _) | (_, Some(&SHARED)) => true,
+            (a, b) => a == b,
+        }
+    }
 }
 
 /// The rows of cells that a triangle with these corners touches, and the range of columns in each: between the extremes of its edges

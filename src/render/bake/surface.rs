@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
-use super::charts::{self, reached};
+use super::charts::{self, Readers, reached};
 use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::stored::Stored;
@@ -119,7 +119,8 @@ fn cube<T: Stored>(
     // Bilinear lookups at the edge of a chart read texels beyond it.
     let halves = values.chunks_mut(height * row).zip(covered.chunks(height));
     for (values, covered) in halves {
-        fill_gutters(values, covered.concat(), [width, height], bins.count * 3);
+        let (covered, stride) = (covered.concat(), bins.count * 3);
+        fill_gutters(values, covered, &charts.readers, [width, height], stride);
     }
     let size = [sides * height, width];
     let baked = baked(scene, prepared, size, bins, values, summaries)?;
@@ -203,7 +204,7 @@ pub fn check_surface(
     Ok(SurfaceNeeds {
         backs: charts.has_lit_backs,
         lists: charts.bytes(),
-        shared: charts.shared,
+        shared: charts.readers.shared(),
     })
 }
 
@@ -234,8 +235,7 @@ pub(super) struct Charts<'a> {
     /// By texel, where its candidate triangles begin in `listed`; the last entry is the end of the list.
     begins: Vec<u32>,
     listed: Vec<u32>,
-    /// Texels that lookups on several charts read.
-    shared: u64,
+    readers: Readers,
     size: [usize; 2],
     /// Whether light may reach a visible back.
     pub has_lit_backs: bool,
@@ -272,7 +272,7 @@ impl<'a> Charts<'a> {
             triangles: Vec::new(),
             begins: Vec::new(),
             listed: Vec::new(),
-            shared: 0,
+            readers: Readers::default(),
             size,
             has_lit_backs: false,
             left: memory,
@@ -313,7 +313,7 @@ impl<'a> Charts<'a> {
         }
         charts.list()?;
         charts.check_areas(rest)?;
-        charts.count_shared(rest)?;
+        charts.find_readers(rest)?;
         let backs = charts.triangles.iter().filter(|t| t.has_back);
         charts.has_lit_backs = paths.may_light_backs(backs.map(|t| t.slot));
         Ok(charts)
@@ -368,7 +368,7 @@ impl<'a> Charts<'a> {
     /// Bytes of the lists of triangles.
     fn bytes(&self) -> u64 {
         let listed = size_of::<u32>() * (self.begins.len() + self.listed.len());
-        (size_of::<ChartTriangle>() * self.triangles.len() + listed) as u64
+        (size_of::<ChartTriangle>() * self.triangles.len() + listed + self.readers.bytes()) as u64
     }
 
     /// Generates an atlas of the object, whose triangles are in these slots, by triangle of its mesh.
@@ -485,8 +485,8 @@ impl<'a> Charts<'a> {
         Ok(())
     }
 
-    /// Counts the texels that lookups on several charts read.
-    fn count_shared(&mut self, rest: &RestFrame) -> Result<()> {
+    /// Finds the chart whose lookups read each texel.
+    fn find_readers(&mut self, rest: &RestFrame) -> Result<()> {
         let left = self.left;
         let texels = self.size[0] * self.size[1];
         self.take(charts::BYTES * self.triangles.len() + size_of::<u32>() * texels)?;
@@ -494,8 +494,8 @@ impl<'a> Charts<'a> {
             let triangle = &self.triangles[k];
             (rest.bvh.corners(triangle.slot), triangle.corners)
         };
-        self.shared = charts::shared(self.triangles.len(), corners, self.size);
-        self.left = left;
+        self.readers = Readers::of(self.triangles.len(), corners, self.size);
+        self.left = left.saturating_sub(self.readers.bytes() as u64);
         Ok(())
     }
 
@@ -657,9 +657,11 @@ impl ChartTriangle {
 }
 
 /// Fills texels beside charts with the mean of their neighbours on charts, two texels wide, so that bilinear lookups find no black there.
+/// Texels that lookups on one chart read take no light of others.
 fn fill_gutters<T: Stored>(
     values: &mut [T],
     mut covered: Vec<bool>,
+    readers: &Readers,
     [width, height]: [usize; 2],
     stride: usize,
 ) {
@@ -671,7 +673,8 @@ fn fill_gutters<T: Stored>(
             let around = rows.flat_map(|i| {
                 (j.saturating_sub(1)..(j + 2).min(width)).map(move |j| i * width + j)
             });
-            let around: Vec<usize> = around.filter(|k| known[*k]).collect();
+            let counts = |k: &usize| known[*k] && readers.belong_together(texel, *k);
+            let around: Vec<usize> = around.filter(counts).collect();
             if around.is_empty() {
                 continue;
             }

@@ -26,8 +26,8 @@ fn rectangle([left, right, low, high]: [f64; 4], height: f64) -> [Triangle; 2] {
     [[a, b, c], [a, c, d]].map(|corners| (corners.map(|c| c.0), corners.map(|c| c.1)))
 }
 
-fn of(triangles: &[Triangle], size: [usize; 2]) -> u64 {
-    shared(triangles.len(), |k| triangles[k], size)
+fn readers(triangles: &[Triangle], size: [usize; 2]) -> Readers {
+    Readers::of(triangles.len(), |k| triangles[k], size)
 }
 
 /// The texels that a lookup reads.
@@ -54,12 +54,14 @@ fn triangles_that_share_corners_in_space_and_on_the_texture_are_one_chart() {
             *corner = DVec3::new(4.0, corner.x - 4.0, corner.z);
         }
     }
-    assert_eq!(of(&[floor, wall].concat(), size), 0);
-    let apart = of(&[floor, ceiling].concat(), size);
-    assert_eq!(apart, 16, "two columns of eight texels");
+    let joined = readers(&[floor, wall].concat(), size);
+    assert_eq!((joined.shared(), joined.bytes()), (0, 0));
+    let apart = readers(&[floor, ceiling].concat(), size);
+    assert_eq!(apart.shared(), 16, "two columns of eight texels");
     // One common corner is enough, and −0 is the same place as 0.
     ceiling[0].0[0].y = -0.0;
-    assert_eq!(of(&[floor, ceiling].concat(), size), 0);
+    let joined = readers(&[floor, ceiling].concat(), size);
+    assert_eq!(joined.shared(), 0);
 }
 
 #[test]
@@ -76,7 +78,7 @@ fn texels_count_as_shared_if_lookups_on_two_charts_read_them() {
             ([left, right, low, high], height)
         });
         let triangles = rectangles.map(|(sides, height)| rectangle(sides, height));
-        let found = of(&triangles.concat(), size);
+        let found = readers(&triangles.concat(), size);
         // Lookups on a fine grid of points inside each rectangle.
         let reads = rectangles.map(|([left, right, low, high], _)| {
             let mut reads = [false; 12 * 9];
@@ -94,7 +96,7 @@ fn texels_count_as_shared_if_lookups_on_two_charts_read_them() {
             reads
         });
         let both = reads[0].iter().zip(&reads[1]).filter(|(a, b)| **a && **b);
-        assert_eq!(found, both.count() as u64, "{rectangles:?}");
+        assert_eq!(found.shared(), both.count() as u64, "{rectangles:?}");
     }
 }
 
@@ -113,6 +115,8 @@ fn the_charts_of_an_atlas_share_no_texel() {
             let corners = made[k].map(|uv| DVec2::new(uv[0].into(), uv[1].into()));
             (places[k], corners.map(|uv| uv * f64::from(side)))
         };
-        assert_eq!(shared(places.len(), at, [side as usize; 2]), 0, "{k}");
+        let readers = Readers::of(places.len(), at, [side as usize; 2]);
+        assert!(readers.bytes() > 0);
+        assert_eq!(readers.shared(), 0, "{k}");
     }
 }

@@ -169,7 +169,7 @@ fn a_plan_knows_from_a_few_rays_why_a_picture_will_be_dark() {
         (
             ball(infrared, ""),
             true,
-            "the spectrum of \"ball\" is seen at 1 to 1 times",
+            "the spectrum of \"ball\" is outside the visible range",
         ),
         (
             ball("", &hot),

@@ -78,6 +78,17 @@ impl Maker {
         for _ in 0..[0, 0, 0, 1, 1, 2][self.below(6)] {
             self.change(&mut scene);
         }
+        // Cameras, lights and skies of files, of which there are none here, are refused by their first key.
+        for table in ["camera", "light", "sky"] {
+            let one = scene.get_mut(table).into_iter();
+            let all = one.flat_map(|entry| match entry {
+                Value::Array(entries) => entries.iter_mut().collect(),
+                entry => vec![entry],
+            });
+            for entry in all.filter_map(Value::as_object_mut) {
+                entry.retain(|key, _| !["gltf", "node", "image"].contains(&key.as_str()));
+            }
+        }
         let lines = scene.as_object().into_iter().flatten();
         lines
             .map(|(key, value)| format!("{key} = {}\n", toml(value)))

@@ -693,21 +693,12 @@ fn fill_gutters<T: Stored>(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Pseudorandom numbers from 0 to 1: a linear congruential generator.
-    fn random() -> impl FnMut() -> f64 {
-        let mut state = 1u64;
-        move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        }
-    }
+    use crate::accel::numbers;
 
     #[test]
     fn a_triangle_reaches_every_texel_that_has_a_point_of_it_and_few_others() {
-        let mut random = random();
+        let mut signed = numbers(1);
+        let mut random = || (signed() + 1.0) / 2.0;
         let size = [40, 30];
         let mut listed = 0;
         for k in 0..200 {
